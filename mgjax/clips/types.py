@@ -1,0 +1,67 @@
+"""A named clip, and an interval of it that carries a label."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from mgjax.core.errors import MotionError
+from mgjax.core.motion import Motion
+from mgjax.core.skeleton import Skeleton
+
+
+@dataclass(frozen=True, kw_only=True)
+class Clip:
+    """One captured (or made) motion with the name by which labels and reports know it."""
+
+    name: str
+    skeleton: Skeleton
+    motion: Motion
+
+
+@dataclass(frozen=True, kw_only=True)
+class Label:
+    """A labelled interval of a clip, in seconds from its first frame; half-open.
+
+    Attributes:
+        start_s, end_s: the interval; in frames of rate f it is round(start·f) … round(end·f) − 1.
+        kind: what is done, such as ``"duck"``.
+        direction: to which side of the character: ``"left"``, ``"right"`` or ``""``.
+        genuine: a real evasion; False for an exercise that resembles one.
+    """
+
+    start_s: float
+    end_s: float
+    kind: str
+    direction: str = ""
+    genuine: bool = True
+
+
+Labels = Mapping[str, tuple[Label, ...]]
+"""Labels by clip name."""
+
+ClipLike = Clip | tuple[Skeleton, Motion]
+
+
+def as_clips(clips: Mapping[str, tuple[Skeleton, Motion]] | Iterable[ClipLike]) -> list[Clip]:
+    """Clips from :class:`Clip` objects, (skeleton, motion) pairs or a mapping of names to pairs.
+
+    Pairs without a name are called ``clip0``, ``clip1``, …; names must be unique.
+    """
+    if isinstance(clips, Mapping):
+        result = [Clip(name=n, skeleton=s, motion=m) for n, (s, m) in clips.items()]
+    else:
+        result = [
+            c if isinstance(c, Clip) else Clip(name=f"clip{i}", skeleton=c[0], motion=c[1])
+            for i, c in enumerate(clips)
+        ]
+    names = [clip.name for clip in result]
+    for name in names:
+        if names.count(name) > 1:
+            raise MotionError(f"two clips are called {name!r}, expected unique names")
+    return result
+
+
+def mirrored_direction(direction: str) -> str:
+    """The direction seen in a mirror: left and right change places."""
+    return {"left": "right", "right": "left"}.get(direction, direction)

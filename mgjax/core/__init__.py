@@ -1,0 +1,1 @@
+"""Skeletons, motions and the geometry that everything else is written in."""

@@ -1,0 +1,31 @@
+"""When a foot is planted."""
+
+from __future__ import annotations
+
+from jaxtyping import Bool, Float
+
+from mgjax.core.arrays import Array, namespace
+from mgjax.core.kinematics import joint_velocities
+from mgjax.core.skeleton import Skeleton, require_roles
+
+PLANT_HEIGHT_M = 0.05
+PLANT_SPEED_M_S = 0.2
+
+
+def foot_joints(skeleton: Skeleton) -> tuple[int, int]:
+    """The joints that are tested and kept in place: the balls of the left and right foot."""
+    left, right = require_roles(skeleton, ("left_toe", "right_toe"))
+    return left, right
+
+
+def planted(
+    positions: Float[Array, "F K 3"],
+    frame_rate: float,
+    *,
+    height: float = PLANT_HEIGHT_M,
+    speed: float = PLANT_SPEED_M_S,
+) -> Bool[Array, "F K"]:
+    """Which points stand on the floor (y = 0): below ``height`` (m) and slower than ``speed`` (m/s)."""
+    xp = namespace(positions)
+    velocity = joint_velocities(positions, frame_rate)
+    return (positions[..., 1] < height) & (xp.sum(velocity**2, axis=-1) < speed**2)

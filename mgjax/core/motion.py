@@ -1,0 +1,120 @@
+"""A motion: the poses of one skeleton at a fixed frame rate, and the simple things done to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from mgjax.core import quaternion
+from mgjax.core.arrays import Array, namespace
+from mgjax.core.errors import MotionError
+from mgjax.core.pytree import register
+from mgjax.core.skeleton import Skeleton, mirror_joints
+
+
+@register("frame_rate")
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """Poses over time.
+
+    Attributes:
+        root_translation: place of the root in the world, m.
+        local_rotations: rotation of each joint in its parent's frame, wxyz, unit; the root's is in
+            the world. End joints have the identity.
+        frame_rate: frames per second.
+    """
+
+    root_translation: Float[Array, "F 3"]
+    local_rotations: Float[Array, "F J 4"]
+    frame_rate: float
+
+    @property
+    def num_frames(self) -> int:
+        return self.root_translation.shape[0]
+
+    @property
+    def seconds(self) -> float:
+        """Frames divided by rate: each frame lasts one period."""
+        return self.num_frames / self.frame_rate
+
+
+def validate_motion(skeleton: Skeleton, motion: Motion) -> None:
+    """Raises :class:`MotionError` unless the motion fits the skeleton and is finite."""
+    frames, joints = motion.root_translation.shape[0], skeleton.num_joints
+    if motion.local_rotations.shape != (frames, joints, 4):
+        raise MotionError(
+            f"rotations have shape {motion.local_rotations.shape}, expected {(frames, joints, 4)}"
+        )
+    if frames < 1:
+        raise MotionError("the motion has no frames, expected at least one")
+    if not 0 < motion.frame_rate <= 10000:
+        raise MotionError(f"frame rate is {motion.frame_rate}, expected 0 … 10000 per second")
+    for name in ("root_translation", "local_rotations"):
+        finite = np.isfinite(np.asarray(getattr(motion, name))).reshape(frames, -1).all(axis=1)
+        if not finite.all():
+            raise MotionError(f"{name} is not finite in frame {int(np.argmin(finite))}")
+
+
+def cut(motion: Motion, start: int, stop: int) -> Motion:
+    """Frames ``start … stop − 1``; :class:`MotionError` outside the motion."""
+    if not 0 <= start < stop <= motion.num_frames:
+        raise MotionError(f"frames {start}…{stop} of a motion with {motion.num_frames}")
+    return replace(
+        motion,
+        root_translation=motion.root_translation[start:stop],
+        local_rotations=motion.local_rotations[start:stop],
+    )
+
+
+def sample(motion: Motion, frames: Float[Array, "T"]) -> Motion:
+    """Poses at fractional frame numbers: the root linearly, rotations by slerp; ends are held."""
+    xp = namespace(motion.root_translation, motion.local_rotations, frames)
+    last = motion.num_frames - 1
+    where = xp.clip(frames, 0, last)
+    low = xp.minimum(xp.floor(where).astype("int32"), max(last - 1, 0))
+    high = xp.minimum(low + 1, last)
+    t = (where - low).astype(motion.root_translation.dtype)
+    root = motion.root_translation[low] * (1 - t)[:, None] + motion.root_translation[high] * t[:, None]
+    rotations = quaternion.slerp(
+        motion.local_rotations[low], motion.local_rotations[high], t[:, None]
+    )
+    return replace(motion, root_translation=root, local_rotations=rotations)
+
+
+def resample(motion: Motion, frame_rate: float) -> Motion:
+    """The same motion at another rate; where the old rate is a multiple, frames are picked.
+
+    The result has the frames at 0, 1/rate, 2/rate, … up to the last captured frame.
+    """
+    if frame_rate <= 0:
+        raise MotionError(f"frame rate is {frame_rate}, expected more than 0")
+    step = motion.frame_rate / frame_rate
+    count = int(np.floor((motion.num_frames - 1) / step + 1e-6)) + 1
+    if abs(step - round(step)) < 1e-6:
+        picked = slice(None, None, round(step))
+        return replace(
+            motion,
+            root_translation=motion.root_translation[picked],
+            local_rotations=motion.local_rotations[picked],
+            frame_rate=float(frame_rate),
+        )
+    return replace(sample(motion, np.arange(count) * step), frame_rate=float(frame_rate))
+
+
+def mirror(skeleton: Skeleton, motion: Motion) -> Motion:
+    """The motion reflected left–right (x → −x), with left and right joints exchanged.
+
+    Bones keep their lengths, so on a skeleton that is not quite symmetric the result is off by the
+    difference of its sides.
+    """
+    xp = namespace(motion.root_translation, motion.local_rotations)
+    twins = np.array(mirror_joints(skeleton))
+    flip = xp.asarray(np.array([1, 1, -1, -1], dtype=motion.local_rotations.dtype))
+    flip_x = xp.asarray(np.array([-1, 1, 1], dtype=motion.root_translation.dtype))
+    return replace(
+        motion,
+        root_translation=motion.root_translation * flip_x,
+        local_rotations=motion.local_rotations[:, twins] * flip,
+    )

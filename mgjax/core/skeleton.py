@@ -1,0 +1,193 @@
+"""The skeleton: named joints in a tree with fixed bones, and what its joint names mean."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float
+
+from mgjax.core.arrays import Array
+from mgjax.core.errors import SkeletonError
+from mgjax.core.pytree import register
+
+MAX_OFFSET_M = 10.0
+"""No bone of a body is longer; a larger offset means a wrong unit or a broken file."""
+
+
+@register("names", "parents", "end_joints")
+@dataclass(frozen=True, kw_only=True)
+class Skeleton:
+    """A tree of joints.
+
+    Attributes:
+        names: one for each joint, unique.
+        parents: index of each joint's parent, −1 for the root; a parent comes before its children.
+        offsets: each joint's place in its parent's frame, m. In the rest pose all rotations are
+            the identity, so offsets are in world directions.
+        end_joints: indices of the joints that only mark the end of a bone (BVH end sites, ASF bone
+            ends) and have no rotation of their own.
+    """
+
+    names: tuple[str, ...]
+    parents: tuple[int, ...]
+    offsets: Float[Array, "J 3"]
+    end_joints: tuple[int, ...] = ()
+
+    @property
+    def num_joints(self) -> int:
+        return len(self.names)
+
+    def index(self, name: str) -> int:
+        """Index of the joint called ``name``; :class:`SkeletonError` if there is none."""
+        try:
+            return self.names.index(name)
+        except ValueError:
+            raise SkeletonError(f"no joint {name!r}; joints are {', '.join(self.names)}") from None
+
+    def rest_height(self) -> float:
+        """Height of the rest pose in the unit of the offsets."""
+        y = rest_positions(self)[:, 1]
+        return float(y.max() - y.min())
+
+
+def rest_positions(skeleton: Skeleton) -> np.ndarray:
+    """[J,3] joint positions of the rest pose with the root at the origin."""
+    places = np.zeros((skeleton.num_joints, 3))
+    offsets = np.asarray(skeleton.offsets, dtype=np.float64)
+    for joint, parent in enumerate(skeleton.parents):
+        places[joint] = offsets[joint] if parent < 0 else places[parent] + offsets[joint]
+    return places - places[0]
+
+
+@lru_cache(maxsize=64)
+def depth_levels(parents: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
+    """Joints grouped by depth, root first: kinematics goes one level at a time."""
+    depth: list[int] = []
+    for parent in parents:
+        depth.append(0 if parent < 0 else depth[parent] + 1)
+    return tuple(
+        tuple(j for j, d in enumerate(depth) if d == level) for level in range(max(depth) + 1)
+    )
+
+
+def validate_skeleton(skeleton: Skeleton) -> None:
+    """Raises :class:`SkeletonError` unless names, parents and offsets are usable."""
+    names, parents = skeleton.names, skeleton.parents
+    offsets = np.asarray(skeleton.offsets)
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise SkeletonError(f"two joints are called {name!r}, expected unique names")
+        seen.add(name)
+    if len(parents) != len(names) or offsets.shape != (len(names), 3):
+        raise SkeletonError(
+            f"{len(names)} names, {len(parents)} parents and offsets of shape {offsets.shape},"
+            " expected one of each per joint"
+        )
+    if not parents or parents[0] != -1:
+        raise SkeletonError("the first joint must be the root, with parent -1")
+    for joint, parent in enumerate(parents[1:], start=1):
+        if not 0 <= parent < joint:
+            raise SkeletonError(f"joint {names[joint]!r} has parent {parent}, expected an earlier joint")
+    bad = np.flatnonzero(~(np.abs(offsets) <= MAX_OFFSET_M).all(axis=1))
+    if bad.size:
+        joint = int(bad[0])
+        raise SkeletonError(
+            f"joint {names[joint]!r} has offset {offsets[joint].tolist()} m, expected finite numbers"
+            f" of at most {MAX_OFFSET_M:g} m"
+        )
+
+
+def first_difference(reference: Skeleton, other: Skeleton) -> str | None:
+    """The first way in which the hierarchy of ``other`` differs, or None; bone lengths may differ."""
+    for a, b, pa, pb in zip(
+        reference.names, other.names, reference.parents, other.parents, strict=False
+    ):
+        if a != b:
+            return f"joint {b!r} where the reference has {a!r}"
+        if pa != pb:
+            return f"joint {b!r} hangs on {other.names[pb]!r} where the reference has {reference.names[pa]!r}"
+    if reference.num_joints != other.num_joints:
+        longer = max((reference, other), key=lambda s: s.num_joints)
+        which = "only the reference has" if longer is reference else "the reference lacks"
+        return f"{which} joint {longer.names[min(reference.num_joints, other.num_joints)]!r}"
+    return None
+
+
+# What a joint is for, and the names it goes by, lower case, without separators, most specific
+# first: CMU's ASF files, two BVH conversions of them (3ds Max and DAZ), Mixamo/MotionBuilder.
+# "@" stands for the side.
+_SIDED_ROLES: dict[str, tuple[str, ...]] = {
+    "hip": ("@femur", "@hip", "@upleg", "@thigh", "@upperleg"),
+    "knee": ("@tibia", "@knee", "@leg", "@shin", "@lowerleg"),
+    "ankle": ("@foot", "@ankle"),
+    "toe": ("@toes", "@toe", "@toebase", "@ball"),
+    "shoulder": ("@humerus", "@arm", "@shldr", "@shoulder", "@upperarm"),
+    "elbow": ("@radius", "@forearm", "@elbow", "@lowerarm"),
+    "wrist": ("@wrist", "@hand"),
+    "hand": ("@fingers", "@handindex1", "@mid1", "@index1"),
+}
+_ROLES: dict[str, tuple[str, ...]] = {
+    "spine": ("upperback", "chest", "spine", "abdomen", "spine1"),
+    "chest": ("thorax", "chest2", "chest", "spine1", "spine2"),
+    "neck": ("lowerneck", "neck"),
+    "head": ("head",),
+}
+_SIDES = {"left": ("left", "l"), "right": ("right", "r")}
+
+
+def find_role(skeleton: Skeleton, role: str) -> int | None:
+    """Index of the joint with a role such as ``"left_knee"``, ``"chest"`` or ``"root"``, or None.
+
+    Roles: root, spine, chest, neck, head and, with ``left_`` or ``right_`` before them, hip, knee,
+    ankle, toe, shoulder, elbow, wrist, hand. A role names the joint at that place, so
+    ``left_knee`` is ASF's ``ltibia``, the joint where the shin begins.
+    """
+    if role == "root":
+        return 0
+    plain = {_plain(name): j for j, name in reversed(list(enumerate(skeleton.names)))}
+    side, _, part = role.partition("_")
+    if side in _SIDES and part in _SIDED_ROLES:
+        wanted = [p.replace("@", s) for p in _SIDED_ROLES[part] for s in _SIDES[side]]
+    elif role in _ROLES:
+        wanted = list(_ROLES[role])
+    else:
+        raise KeyError(role)
+    return next((plain[name] for name in wanted if name in plain), None)
+
+
+def require_roles(skeleton: Skeleton, roles: Sequence[str]) -> tuple[int, ...]:
+    """Joint indices of all ``roles``; :class:`SkeletonError` names the first that is missing."""
+    found: list[int] = []
+    for role in roles:
+        joint = find_role(skeleton, role)
+        if joint is None:
+            raise SkeletonError(
+                f"found no joint for {role!r} among {', '.join(skeleton.names)}"
+            )
+        found.append(joint)
+    return tuple(found)
+
+
+def mirror_joints(skeleton: Skeleton) -> tuple[int, ...]:
+    """For each joint, its twin on the other side, or itself: by ``left``/``right`` or ``l``/``r``."""
+    index = {name.lower(): j for j, name in enumerate(skeleton.names)}
+    twins: list[int] = []
+    for joint, name in enumerate(skeleton.names):
+        lower = name.lower()
+        twin = joint
+        for a, b in (("left", "right"), ("right", "left")):
+            if a in lower and lower.replace(a, b, 1) in index:
+                twin = index[lower.replace(a, b, 1)]
+        if twin == joint and lower[:1] in "lr":
+            twin = index.get({"l": "r", "r": "l"}[lower[0]] + lower[1:], joint)
+        twins.append(twin)
+    return tuple(twins)
+
+
+def _plain(name: str) -> str:
+    """Lower case, without a namespace such as ``mixamorig:`` and without separators."""
+    return "".join(c for c in name.rsplit(":", 1)[-1].lower() if c.isalnum())

@@ -1,0 +1,65 @@
+"""Two-bone inverse kinematics: a hip (shoulder) and a knee (elbow) that put an ankle in its place."""
+
+from __future__ import annotations
+
+from jaxtyping import Float
+
+from mgjax.core import quaternion
+from mgjax.core.arrays import Array, namespace
+
+_REACH = 0.9995
+"""Share of the full length that is used at most: a straight leg has no defined knee direction."""
+
+
+def solve(
+    hip: Float[Array, "*b 3"],
+    knee: Float[Array, "*b 3"],
+    ankle: Float[Array, "*b 3"],
+    target: Float[Array, "*b 3"],
+    pole: Float[Array, "*b 3"],
+) -> tuple[Float[Array, "*b 4"], Float[Array, "*b 4"]]:
+    """World rotations to apply to the hip and then to the knee so that the ankle meets ``target``.
+
+    The knee bends in the plane of the leg; where the leg is straight, in the plane spanned by the
+    leg and ``pole`` (the direction in which the knee points). A target out of reach is
+    approached as far as the bones allow. Finite, with finite gradients, for straight legs and for
+    a target on the hip.
+
+    Args:
+        hip, knee, ankle: present joint positions, m.
+        target: wanted ankle position, m.
+        pole: direction towards which the knee points, need not be a unit vector.
+
+    Returns:
+        ``(hip_turn, knee_turn)``: the new world rotation of the thigh is ``hip_turn · old``, that
+        of the shin is ``hip_turn · knee_turn · old``.
+    """
+    xp = namespace(hip, knee, ankle, target, pole)
+
+    def norm(v: Array) -> Array:
+        return xp.sqrt(xp.maximum(xp.sum(v * v, axis=-1), 1e-14))
+
+    def cross(a: Array, b: Array) -> Array:
+        ax, ay, az = (a[..., i] for i in range(3))
+        bx, by, bz = (b[..., i] for i in range(3))
+        return xp.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+
+    thigh, shin = knee - hip, ankle - knee
+    a, b = norm(thigh), norm(shin)
+    reach = xp.clip(norm(target - hip), xp.abs(a - b) * 1.001 + 1e-4, (a + b) * _REACH)
+
+    # Angle between the bones at the knee: now, and as the target's distance needs it.
+    def bend(distance: Array) -> Array:
+        cosine = (a * a + b * b - distance * distance) / (2 * a * b)
+        return xp.arccos(xp.clip(cosine, -1 + 1e-6, 1 - 1e-6))
+
+    now, wanted = bend(norm(ankle - hip)), bend(reach)
+    normal = cross(thigh, shin)
+    straight = norm(normal) < 1e-4 * a * b
+    normal = xp.where(straight[..., None], cross(pole, thigh), normal)
+    normal = normal / norm(normal)[..., None]
+    # Opening the knee turns the shin against the normal of (thigh × shin).
+    knee_turn = quaternion.from_axis_angle(normal, now - wanted)
+    new_ankle = knee + quaternion.rotate(knee_turn, shin)
+    hip_turn = quaternion.from_two_vectors(new_ankle - hip, target - hip)
+    return hip_turn, knee_turn
