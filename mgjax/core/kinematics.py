@@ -15,14 +15,17 @@ def forward(
     skeleton: Skeleton,
     root_translation: Float[Array, "*b 3"],
     local_rotations: Float[Array, "*b J 4"],
+    joint_offsets: Float[Array, "*b J 3"] | None = None,
 ) -> tuple[Float[Array, "*b J 3"], Float[Array, "*b J 4"]]:
     """World positions (m) and rotations of all joints.
 
     A joint's rotation turns its children; its own place comes from its parent's rotation and its
     offset. The root stands at ``root_translation``; its offset is not added. All joints of one
     depth are computed together, which compiles and runs several times faster than joint by joint.
+    ``joint_offsets`` replaces the skeleton's offsets where bones are not rigid.
     """
-    xp = namespace(root_translation, local_rotations, skeleton.offsets)
+    offsets = skeleton.offsets if joint_offsets is None else joint_offsets
+    xp = namespace(root_translation, local_rotations, offsets)
     levels = depth_levels(skeleton.parents)
     positions = [root_translation[..., None, :]]
     rotations = [local_rotations[..., :1, :]]
@@ -33,7 +36,7 @@ def forward(
         parent_rotation = rotations[-1][..., parents, :]
         positions.append(
             positions[-1][..., parents, :]
-            + quaternion.rotate(parent_rotation, skeleton.offsets[joints])
+            + quaternion.rotate(parent_rotation, offsets[..., joints, :])
         )
         rotations.append(quaternion.multiply(parent_rotation, local_rotations[..., joints, :]))
     order = np.argsort(np.concatenate([np.array(level) for level in levels]))
@@ -45,7 +48,9 @@ def forward(
 
 def global_positions(skeleton: Skeleton, motion: Motion) -> Float[Array, "F J 3"]:
     """World position of every joint in every frame, m."""
-    return forward(skeleton, motion.root_translation, motion.local_rotations)[0]
+    return forward(skeleton, motion.root_translation, motion.local_rotations, motion.joint_offsets)[
+        0
+    ]
 
 
 def planar_frames(skeleton: Skeleton, positions: Float[Array, "*b J 3"]) -> Float[Array, "*b 3"]:
@@ -54,9 +59,7 @@ def planar_frames(skeleton: Skeleton, positions: Float[Array, "*b J 3"]) -> Floa
     return planar.frame_of(positions[..., 0, :], positions[..., left, :], positions[..., right, :])
 
 
-def joint_velocities(
-    positions: Float[Array, "F J 3"], frame_rate: float
-) -> Float[Array, "F J 3"]:
+def joint_velocities(positions: Float[Array, "F J 3"], frame_rate: float) -> Float[Array, "F J 3"]:
     """Velocity of each joint, m/s: central differences, one-sided at both ends; one frame: zero."""
     xp = namespace(positions)
     if positions.shape[0] < 2:

@@ -24,11 +24,14 @@ class Motion:
         local_rotations: rotation of each joint in its parent's frame, wxyz, unit; the root's is in
             the world. End joints have the identity.
         frame_rate: frames per second.
+        joint_offsets: only where bones are not rigid (a file whose joints have moving position
+            channels): each joint's place in its parent's frame, m, instead of the skeleton's.
     """
 
     root_translation: Float[Array, "F 3"]
     local_rotations: Float[Array, "F J 4"]
     frame_rate: float
+    joint_offsets: Float[Array, "F J 3"] | None = None
 
     @property
     def num_frames(self) -> int:
@@ -61,14 +64,20 @@ def cut(motion: Motion, start: int, stop: int) -> Motion:
     """Frames ``start … stop − 1``; :class:`MotionError` outside the motion."""
     if not 0 <= start < stop <= motion.num_frames:
         raise MotionError(f"frames {start}…{stop} of a motion with {motion.num_frames}")
+    return _pick(motion, slice(start, stop))
+
+
+def _pick(motion: Motion, frames: slice) -> Motion:
+    offsets = motion.joint_offsets
     return replace(
         motion,
-        root_translation=motion.root_translation[start:stop],
-        local_rotations=motion.local_rotations[start:stop],
+        root_translation=motion.root_translation[frames],
+        local_rotations=motion.local_rotations[frames],
+        joint_offsets=None if offsets is None else offsets[frames],
     )
 
 
-def sample(motion: Motion, frames: Float[Array, "T"]) -> Motion:
+def sample(motion: Motion, frames: Float[Array, T]) -> Motion:
     """Poses at fractional frame numbers: the root linearly, rotations by slerp; ends are held."""
     xp = namespace(motion.root_translation, motion.local_rotations, frames)
     last = motion.num_frames - 1
@@ -76,11 +85,21 @@ def sample(motion: Motion, frames: Float[Array, "T"]) -> Motion:
     low = xp.minimum(xp.floor(where).astype("int32"), max(last - 1, 0))
     high = xp.minimum(low + 1, last)
     t = (where - low).astype(motion.root_translation.dtype)
-    root = motion.root_translation[low] * (1 - t)[:, None] + motion.root_translation[high] * t[:, None]
+
+    def linear(values: Array) -> Array:
+        weight = xp.reshape(t, (-1,) + (1,) * (values.ndim - 1))
+        return values[low] * (1 - weight) + values[high] * weight
+
     rotations = quaternion.slerp(
         motion.local_rotations[low], motion.local_rotations[high], t[:, None]
     )
-    return replace(motion, root_translation=root, local_rotations=rotations)
+    offsets = motion.joint_offsets
+    return replace(
+        motion,
+        root_translation=linear(motion.root_translation),
+        local_rotations=rotations,
+        joint_offsets=None if offsets is None else linear(offsets),
+    )
 
 
 def resample(motion: Motion, frame_rate: float) -> Motion:
@@ -93,13 +112,7 @@ def resample(motion: Motion, frame_rate: float) -> Motion:
     step = motion.frame_rate / frame_rate
     count = int(np.floor((motion.num_frames - 1) / step + 1e-6)) + 1
     if abs(step - round(step)) < 1e-6:
-        picked = slice(None, None, round(step))
-        return replace(
-            motion,
-            root_translation=motion.root_translation[picked],
-            local_rotations=motion.local_rotations[picked],
-            frame_rate=float(frame_rate),
-        )
+        return replace(_pick(motion, slice(None, None, round(step))), frame_rate=float(frame_rate))
     return replace(sample(motion, np.arange(count) * step), frame_rate=float(frame_rate))
 
 
@@ -113,8 +126,10 @@ def mirror(skeleton: Skeleton, motion: Motion) -> Motion:
     twins = np.array(mirror_joints(skeleton))
     flip = xp.asarray(np.array([1, 1, -1, -1], dtype=motion.local_rotations.dtype))
     flip_x = xp.asarray(np.array([-1, 1, 1], dtype=motion.root_translation.dtype))
+    offsets = motion.joint_offsets
     return replace(
         motion,
         root_translation=motion.root_translation * flip_x,
         local_rotations=motion.local_rotations[:, twins] * flip,
+        joint_offsets=None if offsets is None else offsets[:, twins] * flip_x,
     )

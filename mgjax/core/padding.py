@@ -17,7 +17,9 @@ def bucket_size(count: int, minimum: int = 16) -> int:
     return size
 
 
-def pad_axis(array: np.ndarray, size: int, *, axis: int = 0, value: float | None = None) -> np.ndarray:
+def pad_axis(
+    array: np.ndarray, size: int, *, axis: int = 0, value: float | None = None
+) -> np.ndarray:
     """Pads ``array`` to ``size`` along ``axis``: with ``value``, or by repeating the last item."""
     missing = size - array.shape[axis]
     if missing < 0:

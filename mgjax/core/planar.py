@@ -15,7 +15,7 @@ from mgjax.core import quaternion
 from mgjax.core.arrays import Array, namespace
 
 
-def identity(like: Array) -> Float[Array, "3"]:
+def identity(like: Array) -> Float[Array, 3]:
     """The transform that changes nothing, in the array library and dtype of ``like``."""
     return namespace(like).zeros(3, dtype=like.dtype)
 

@@ -140,7 +140,9 @@ def from_two_vectors(a: Float[Array, "*a 3"], b: Float[Array, "*a 3"]) -> Float[
     return normalise(xp.where(nothing, identity, xp.where(opposite, turn, raw)))
 
 
-def slerp(a: Float[Array, "*a 4"], b: Float[Array, "*b 4"], t: Float[Array, "*t"]) -> Float[Array, "*c 4"]:
+def slerp(
+    a: Float[Array, "*a 4"], b: Float[Array, "*b 4"], t: Float[Array, "*t"]
+) -> Float[Array, "*c 4"]:
     """Shortest arc from ``a`` (t = 0) to ``b`` (t = 1) at constant angular speed."""
     xp = namespace(a, b, t)
     cosine = xp.sum(a * b, axis=-1)

@@ -91,7 +91,9 @@ def validate_skeleton(skeleton: Skeleton) -> None:
         raise SkeletonError("the first joint must be the root, with parent -1")
     for joint, parent in enumerate(parents[1:], start=1):
         if not 0 <= parent < joint:
-            raise SkeletonError(f"joint {names[joint]!r} has parent {parent}, expected an earlier joint")
+            raise SkeletonError(
+                f"joint {names[joint]!r} has parent {parent}, expected an earlier joint"
+            )
     bad = np.flatnonzero(~(np.abs(offsets) <= MAX_OFFSET_M).all(axis=1))
     if bad.size:
         joint = int(bad[0])
@@ -165,9 +167,7 @@ def require_roles(skeleton: Skeleton, roles: Sequence[str]) -> tuple[int, ...]:
     for role in roles:
         joint = find_role(skeleton, role)
         if joint is None:
-            raise SkeletonError(
-                f"found no joint for {role!r} among {', '.join(skeleton.names)}"
-            )
+            raise SkeletonError(f"found no joint for {role!r} among {', '.join(skeleton.names)}")
         found.append(joint)
     return tuple(found)
 

@@ -1,0 +1,316 @@
+"""BVH files: any hierarchy, any number and order of channels, wrapped rows, either line end.
+
+Euler channels are read left to right: ``Zrotation Yrotation Xrotation`` means Rz·Ry·Rx. Position
+channels replace the joint's OFFSET, for the root as for every other joint, as the common tools
+write them. End sites become joints called ``<parent>_end``.
+
+One reader serves every file. A reader from a library in front of it would be a second code path
+for the same format, since joints with 0, 1, 2 or 6 channels and errors with a line number need
+this one anyhow; the library is the oracle in the tests instead.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from mgjax.core import quaternion
+from mgjax.core.errors import FileFormatError, MotionError
+from mgjax.core.motion import Motion, validate_motion
+from mgjax.core.skeleton import MAX_OFFSET_M, Skeleton
+from mgjax.io.output import replace_file
+from mgjax.io.text import parse_number, quoted, read_text
+from mgjax.io.units import Unit, find_unit
+
+_CHANNEL = re.compile(r"([xyz])(position|rotation)", re.IGNORECASE)
+_MAX_DEPTH = 256
+
+
+@dataclass(kw_only=True)
+class _Joint:
+    name: str
+    parent: int
+    line: int
+    is_end: bool = False
+    offset: tuple[float, ...] | None = None
+    offset_line: int = 0
+    channels: list[tuple[str, str]] = field(default_factory=list)  # (axis, kind)
+
+
+def read_bvh(
+    path: str | Path, *, frame_rate: float | None = None, units: str | None = None
+) -> tuple[Skeleton, Motion, Unit]:
+    """Reads a BVH file.
+
+    Args:
+        path: the file.
+        frame_rate: frames per second, instead of what the file states.
+        units: ``"m"``, ``"cm"`` or ``"cmu"``, instead of the unit that makes the rest pose a body.
+
+    Returns:
+        Skeleton (m), motion (m, rad) and the unit the file was found to be in.
+
+    Raises:
+        FileFormatError: names file and line, what stands there and what was expected.
+    """
+    lines = read_text(path, "BVH").splitlines()
+    start = next((i for i, s in enumerate(lines) if s.strip().upper() == "MOTION"), None)
+    joints = _read_hierarchy(path, lines[: len(lines) if start is None else start])
+    if start is None:
+        raise FileFormatError(path, len(lines), "the end of the file", "MOTION")
+    count, period, first = _read_motion_header(path, lines, start)
+    channels = sum(len(j.channels) for j in joints)
+    values = _read_rows(path, lines, first, count, channels)
+
+    offsets = np.array([j.offset for j in joints], dtype=np.float64)
+    unit = find_unit(offsets, tuple(j.parent for j in joints), units)
+    too_long = np.flatnonzero(np.abs(offsets * unit.metres).max(axis=1) > MAX_OFFSET_M)
+    if too_long.size:
+        joint = joints[int(too_long[0])]
+        raise FileFormatError(
+            path,
+            joint.offset_line,
+            f"an offset of {np.abs(joint.offset or 0).max() * unit.metres:.3g} m for {joint.name!r}",
+            f"at most {MAX_OFFSET_M:g} m (the unit was taken to be the {unit.name})",
+        )
+    skeleton, motion = _assemble(joints, offsets * unit.metres, values, unit.metres)
+    rate = frame_rate if frame_rate is not None else _stated_rate(period)
+    return skeleton, Motion(**motion, frame_rate=rate), unit
+
+
+def _read_hierarchy(path: str | Path, lines: list[str]) -> list[_Joint]:
+    tokens = [(no, t) for no, line in enumerate(lines, 1) for t in _split_braces(line)]
+    end = (len(lines), "the end of the hierarchy")
+    at = 0
+
+    def take(expected: str) -> tuple[int, str]:
+        nonlocal at
+        if at >= len(tokens):
+            raise FileFormatError(path, end[0], end[1], expected)
+        at += 1
+        return tokens[at - 1]
+
+    def must(word: str) -> None:
+        line, token = take(word)
+        if token.upper() != word:
+            raise FileFormatError(path, line, quoted(token), word)
+
+    joints: list[_Joint] = []
+    names: dict[str, int] = {}
+    stack: list[int] = []
+    must("HIERARCHY")
+    while True:
+        expected = "ROOT" if not joints else "JOINT, End Site, OFFSET, CHANNELS or }"
+        if joints and not stack:
+            if at < len(tokens):
+                line, token = tokens[at]
+                raise FileFormatError(path, line, quoted(token), "MOTION after a single ROOT")
+            break
+        line, token = take(expected)
+        word = token.upper()
+        if (word == "ROOT" and not joints) or (word in ("JOINT", "END") and stack):
+            label: list[str] = []
+            while (item := take("{"))[1] != "{":
+                label.append(item[1])
+            name, is_end = " ".join(label), word == "END"
+            if is_end:
+                name = _end_name(joints[stack[-1]].name, names)
+            if not name:
+                raise FileFormatError(path, line, "no name", f"{word} and a name")
+            if name in names:
+                got = f"a second joint called {quoted(name)} (the first is in line {names[name]})"
+                raise FileFormatError(path, line, got, "unique joint names")
+            if len(stack) >= _MAX_DEPTH:
+                raise FileFormatError(path, line, f"joints nested {_MAX_DEPTH} deep", "a skeleton")
+            names[name] = line
+            parent = stack[-1] if stack else -1
+            joints.append(_Joint(name=name, parent=parent, line=line, is_end=is_end))
+            stack.append(len(joints) - 1)
+        elif word == "OFFSET" and stack:
+            numbers = [parse_number(path, *take("a number"), "OFFSET") for _ in range(3)]
+            joints[stack[-1]].offset, joints[stack[-1]].offset_line = tuple(numbers), line
+        elif word == "CHANNELS" and stack:
+            joints[stack[-1]].channels = _read_channels(path, take)
+        elif token == "}" and stack:
+            joint = joints[stack.pop()]
+            if joint.offset is None:
+                raise FileFormatError(path, line, f"no OFFSET for {quoted(joint.name)}", "OFFSET")
+        else:
+            raise FileFormatError(path, line, quoted(token), expected)
+    return joints
+
+
+def _split_braces(line: str) -> list[str]:
+    return line.replace("{", " { ").replace("}", " } ").split()
+
+
+def _end_name(parent: str, taken: dict[str, int]) -> str:
+    name, number = f"{parent}_end", 2
+    while name in taken:
+        name, number = f"{parent}_end{number}", number + 1
+    return name
+
+
+def _read_channels(path: str | Path, take) -> list[tuple[str, str]]:
+    line, token = take("a number of channels")
+    if not token.isdigit() or int(token) > 6:
+        raise FileFormatError(path, line, quoted(token), "0 … 6 channels")
+    found: list[tuple[str, str]] = []
+    for _ in range(int(token)):
+        line, token = take("a channel")
+        match = _CHANNEL.fullmatch(token)
+        if match is None:
+            raise FileFormatError(path, line, quoted(token), "Xposition … Zrotation")
+        found.append((match[1].upper(), match[2].lower()))
+    positions = [axis for axis, kind in found if kind == "position"]
+    if len(set(positions)) < len(positions):
+        raise FileFormatError(path, line, "the same position channel twice", "each at most once")
+    return found
+
+
+def _read_motion_header(
+    path: str | Path, lines: list[str], start: int
+) -> tuple[int, tuple[float, str], int]:
+    """Number of frames, (frame time, its text), index of the first row."""
+    at = start + 1
+    found: list[tuple[int, str]] = []
+    for word, pattern in (("Frames:", r"frames\s*:(.*)"), ("Frame Time:", r"frame\s*time\s*:(.*)")):
+        while at < len(lines) and not lines[at].strip():
+            at += 1
+        if at >= len(lines):
+            raise FileFormatError(path, len(lines), "the end of the file", word)
+        match = re.fullmatch(pattern, lines[at].strip(), re.IGNORECASE)
+        if match is None:
+            raise FileFormatError(path, at + 1, quoted(lines[at].strip()), word)
+        found.append((at + 1, match[1].strip()))
+        at += 1
+    (count_line, count), (time_line, time) = found
+    if not count.isdigit() or int(count) < 1:
+        raise FileFormatError(path, count_line, quoted(count), "a number of frames, 1 or more")
+    period = parse_number(path, time_line, time, "the frame time")
+    if not 1e-4 <= period <= 10:
+        raise FileFormatError(path, time_line, f"a frame time of {time}", "0.0001 … 10 seconds")
+    return int(count), (period, time), at
+
+
+def _read_rows(
+    path: str | Path, lines: list[str], first: int, frames: int, channels: int
+) -> np.ndarray:
+    """[frames, channels]; rows may be wrapped, but the numbers must come out even."""
+    tokens = " ".join(lines[first:]).split()
+    if len(tokens) != frames * channels:
+        got, rest = divmod(len(tokens), max(channels, 1))
+        for number, line in enumerate(lines[first:], first + 1):
+            if rest and (size := len(line.split())) not in (0, channels):
+                raise FileFormatError(path, number, f"{size} values", f"{channels} in each row")
+        raise FileFormatError(
+            path,
+            len(lines),
+            f"{got} rows and {rest} values",
+            f"the {frames} rows of {channels} stated",
+        )
+    try:
+        values = np.array(tokens, dtype=np.float64)
+        finite = bool(np.isfinite(values).all())
+    except ValueError:
+        finite = False
+    if not finite:
+        for number, line in enumerate(lines[first:], first + 1):
+            for token in line.split():
+                parse_number(path, number, token, "a channel")
+    return values.reshape(frames, channels)  # pyright: ignore[reportPossiblyUnboundVariable]
+
+
+def _stated_rate(period: tuple[float, str]) -> float:
+    """Frames per second; a whole rate where the printed frame time is that rate's, rounded."""
+    seconds, text = period
+    decimals = len(text.lower().split("e")[0].partition(".")[2])
+    whole = round(1 / seconds)
+    if whole and abs(1 / whole - seconds) <= 0.5 * 10.0**-decimals + 1e-12:
+        return float(whole)
+    return 1 / seconds
+
+
+def _assemble(
+    joints: list[_Joint], offsets: np.ndarray, values: np.ndarray, metres: float
+) -> tuple[Skeleton, dict]:
+    frames = len(values)
+    rotations = np.zeros((frames, len(joints), 4))
+    rotations[..., 0] = 1
+    moving = np.broadcast_to(offsets, (frames, *offsets.shape)).copy()
+    column = 0
+    for index, joint in enumerate(joints):
+        block = values[:, column : column + len(joint.channels)]
+        column += len(joint.channels)
+        turns = [i for i, (_, kind) in enumerate(joint.channels) if kind == "rotation"]
+        order = "".join(joint.channels[i][0] for i in turns)
+        if turns:
+            rotations[:, index] = quaternion.from_euler(np.deg2rad(block[:, turns]), order)
+        for i, (axis, kind) in enumerate(joint.channels):
+            if kind == "position":
+                moving[:, index, "XYZ".index(axis)] = block[:, i] * metres
+    root = moving[:, 0].copy()
+    moving[:, 0] = offsets[0]
+    # Position channels that never change are just another way to write the offset.
+    rigid = bool((np.ptp(moving, axis=0) <= 1e-6).all()) if frames else True
+    skeleton = Skeleton(
+        names=tuple(j.name for j in joints),
+        parents=tuple(j.parent for j in joints),
+        offsets=moving[0].astype(np.float32),
+        end_joints=tuple(i for i, j in enumerate(joints) if j.is_end),
+    )
+    motion = {
+        "root_translation": root.astype(np.float32),
+        "local_rotations": rotations.astype(np.float32),
+        "joint_offsets": None if rigid else moving.astype(np.float32),
+    }
+    return skeleton, motion
+
+
+def save_bvh(path: str | Path, skeleton: Skeleton, motion: Motion) -> None:
+    """Writes a BVH file in centimetres, rotation channels Z Y X; reading it back gives the motion.
+
+    Raises:
+        MotionError: the motion does not fit the skeleton or is not finite.
+        OutputError: the file cannot be written.
+    """
+    validate_motion(skeleton, motion)
+    if motion.joint_offsets is not None and skeleton.end_joints:
+        ends = np.asarray(motion.joint_offsets)[:, list(skeleton.end_joints)]
+        if (np.ptp(ends, axis=0) > 1e-6).any():
+            raise MotionError("an end joint moves in its parent's frame; BVH cannot say so")
+    lines = ["HIERARCHY"]
+    columns: list[np.ndarray] = []
+    children: dict[int, list[int]] = {}
+    for joint, parent in enumerate(skeleton.parents):
+        children.setdefault(parent, []).append(joint)
+    degrees = np.rad2deg(quaternion.to_euler_zyx(np.asarray(motion.local_rotations, np.float64)))
+    offsets = np.asarray(skeleton.offsets, dtype=np.float64) * 100
+
+    def write(joint: int, indent: str) -> None:
+        is_end = joint in skeleton.end_joints and joint not in children
+        kind = "ROOT" if joint == 0 else "JOINT"
+        lines.append(f"{indent}End Site" if is_end else f"{indent}{kind} {skeleton.names[joint]}")
+        lines.append(f"{indent}{{")
+        lines.append(f"{indent}  OFFSET {' '.join(f'{v:.6f}' for v in offsets[joint])}")
+        if not is_end:
+            channels = "Zrotation Yrotation Xrotation"
+            if joint == 0 or motion.joint_offsets is not None:
+                places = motion.root_translation if joint == 0 else motion.joint_offsets[:, joint]  # type: ignore[index]
+                channels = f"Xposition Yposition Zposition {channels}"
+                columns.append(np.asarray(places, dtype=np.float64) * 100)
+            lines.append(f"{indent}  CHANNELS {len(channels.split())} {channels}")
+            columns.append(degrees[:, joint])
+        for child in children.get(joint, []):
+            write(child, indent + "  ")
+        lines.append(f"{indent}}}")
+
+    write(0, "")
+    rows = np.concatenate(columns, axis=1) + 0.0  # no "-0.000000"
+    lines += ["MOTION", f"Frames: {motion.num_frames}", f"Frame Time: {1 / motion.frame_rate:.8f}"]
+    form = " ".join(["%.6f"] * rows.shape[1])
+    lines += [form % tuple(row) for row in rows.tolist()]
+    replace_file(path, "\n".join(lines) + "\n")
