@@ -25,7 +25,7 @@ def planted(
     height: float = PLANT_HEIGHT_M,
     speed: float = PLANT_SPEED_M_S,
 ) -> Bool[Array, "F K"]:
-    """Which points stand on the floor (y = 0): below ``height`` (m) and slower than ``speed`` (m/s)."""
+    """Which points stand on the floor (y = 0): below ``height`` m and slower than ``speed`` m/s."""
     xp = namespace(positions)
     velocity = joint_velocities(positions, frame_rate)
     return (positions[..., 1] < height) & (xp.sum(velocity**2, axis=-1) < speed**2)

@@ -77,7 +77,7 @@ def _pick(motion: Motion, frames: slice) -> Motion:
     )
 
 
-def sample(motion: Motion, frames: Float[Array, T]) -> Motion:
+def sample(motion: Motion, frames: Float[Array, " T"]) -> Motion:
     """Poses at fractional frame numbers: the root linearly, rotations by slerp; ends are held."""
     xp = namespace(motion.root_translation, motion.local_rotations, frames)
     last = motion.num_frames - 1

@@ -98,20 +98,23 @@ def validate_skeleton(skeleton: Skeleton) -> None:
     if bad.size:
         joint = int(bad[0])
         raise SkeletonError(
-            f"joint {names[joint]!r} has offset {offsets[joint].tolist()} m, expected finite numbers"
-            f" of at most {MAX_OFFSET_M:g} m"
+            f"joint {names[joint]!r} has offset {offsets[joint].tolist()} m, expected finite"
+            f" numbers of at most {MAX_OFFSET_M:g} m"
         )
 
 
 def first_difference(reference: Skeleton, other: Skeleton) -> str | None:
-    """The first way in which the hierarchy of ``other`` differs, or None; bone lengths may differ."""
+    """How the hierarchy of ``other`` differs first, or None; bone lengths may differ."""
     for a, b, pa, pb in zip(
         reference.names, other.names, reference.parents, other.parents, strict=False
     ):
         if a != b:
             return f"joint {b!r} where the reference has {a!r}"
         if pa != pb:
-            return f"joint {b!r} hangs on {other.names[pb]!r} where the reference has {reference.names[pa]!r}"
+            return (
+                f"joint {b!r} hangs on {other.names[pb]!r}"
+                f" where the reference has {reference.names[pa]!r}"
+            )
     if reference.num_joints != other.num_joints:
         longer = max((reference, other), key=lambda s: s.num_joints)
         which = "only the reference has" if longer is reference else "the reference lacks"
@@ -173,7 +176,7 @@ def require_roles(skeleton: Skeleton, roles: Sequence[str]) -> tuple[int, ...]:
 
 
 def mirror_joints(skeleton: Skeleton) -> tuple[int, ...]:
-    """For each joint, its twin on the other side, or itself: by ``left``/``right`` or ``l``/``r``."""
+    """Each joint's twin on the other side, or itself: by ``left``/``right`` or ``l``/``r``."""
     index = {name.lower(): j for j, name in enumerate(skeleton.names)}
     twins: list[int] = []
     for joint, name in enumerate(skeleton.names):

@@ -1,4 +1,4 @@
-"""Two-bone inverse kinematics: a hip (shoulder) and a knee (elbow) that put an ankle in its place."""
+"""Two-bone inverse kinematics: a hip and a knee (shoulder, elbow) that put an ankle in place."""
 
 from __future__ import annotations
 

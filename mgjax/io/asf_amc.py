@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from mgjax.core import quaternion
+from mgjax.core.arrays import Array
 from mgjax.core.errors import FileFormatError
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import MAX_OFFSET_M, Skeleton
@@ -47,7 +48,7 @@ class AsfFile:
     skeleton: Skeleton
     unit: Unit
     channels: dict[str, tuple[str, ...]]
-    axes: dict[str, np.ndarray]  # bone → quaternion C
+    axes: dict[str, Array]  # bone → quaternion C
     root_position: np.ndarray
 
 
@@ -251,7 +252,7 @@ def _reach(path: Path, bone: _Bone, unit: Unit) -> np.ndarray:
     return reach
 
 
-def _turn(angles: np.ndarray, order: str) -> np.ndarray:
+def _turn(angles: np.ndarray, order: str) -> Array:
     """Angles (x, y, z), applied in ``order``: XYZ means Rz·Ry·Rx."""
     columns = ["XYZ".index(letter) for letter in reversed(order)]
     return quaternion.from_euler(angles[..., columns], order[::-1])

@@ -73,7 +73,8 @@ def read_bvh(
         raise FileFormatError(
             path,
             joint.offset_line,
-            f"an offset of {np.abs(joint.offset or 0).max() * unit.metres:.3g} m for {joint.name!r}",
+            f"an offset of {np.abs(offsets[too_long[0]]).max() * unit.metres:.3g} m"
+            f" for {joint.name!r}",
             f"at most {MAX_OFFSET_M:g} m (the unit was taken to be the {unit.name})",
         )
     skeleton, motion = _assemble(joints, offsets * unit.metres, values, unit.metres)

@@ -28,7 +28,7 @@ UNITS = {
 
 
 def find_unit(offsets: np.ndarray, parents: tuple[int, ...], units: str | None = None) -> Unit:
-    """The unit in which the rest pose is nearest to 1.6 m tall, by ratio, unless ``units`` names one.
+    """The unit in which the rest pose is nearest to 1.6 m tall (by ratio), or the one named.
 
     Args:
         offsets: [J,3], in the unknown unit.
