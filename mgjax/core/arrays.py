@@ -8,12 +8,15 @@ want; a jax array or tracer in gives jax out, which is what jitted code wants.
 from __future__ import annotations
 
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
 
-Array = jax.Array | np.ndarray
+if TYPE_CHECKING:
+    Array = jax.Array | np.ndarray
+else:
+    Array = jax.Array | np.ndarray | np.generic  # what NumPy makes of a result of rank 0
 
 
 def namespace(*arrays: Any) -> ModuleType:

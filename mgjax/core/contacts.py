@@ -6,16 +6,25 @@ from jaxtyping import Bool, Float
 
 from mgjax.core.arrays import Array, namespace
 from mgjax.core.kinematics import joint_velocities
-from mgjax.core.skeleton import Skeleton, require_roles
+from mgjax.core.skeleton import Skeleton, find_role, require_roles
 
 PLANT_HEIGHT_M = 0.05
 PLANT_SPEED_M_S = 0.2
 
 
 def foot_joints(skeleton: Skeleton) -> tuple[int, int]:
-    """The joints that are tested and kept in place: the balls of the left and right foot."""
-    left, right = require_roles(skeleton, ("left_toe", "right_toe"))
-    return left, right
+    """The joints that are tested and kept in place: the balls of the left and right foot.
+
+    Where a foot has no toe joint, the end of the foot; where it has no end, the ankle.
+    """
+    found: list[int] = []
+    for side in ("left", "right"):
+        toe = find_role(skeleton, f"{side}_toe")
+        if toe is None:
+            (toe,) = require_roles(skeleton, (f"{side}_ankle",))
+            toe = next((j for j in skeleton.end_joints if skeleton.parents[j] == toe), toe)
+        found.append(toe)
+    return found[0], found[1]
 
 
 def planted(

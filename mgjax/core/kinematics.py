@@ -26,6 +26,8 @@ def forward(
     """
     offsets = skeleton.offsets if joint_offsets is None else joint_offsets
     xp = namespace(root_translation, local_rotations, offsets)
+    batch = (1,) * (root_translation.ndim - 1)
+    offsets = xp.reshape(offsets, batch + offsets.shape) if offsets.ndim == 2 else offsets
     levels = depth_levels(skeleton.parents)
     positions = [root_translation[..., None, :]]
     rotations = [local_rotations[..., :1, :]]

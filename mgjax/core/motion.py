@@ -54,8 +54,16 @@ def validate_motion(skeleton: Skeleton, motion: Motion) -> None:
         raise MotionError("the motion has no frames, expected at least one")
     if not 0 < motion.frame_rate <= 10000:
         raise MotionError(f"frame rate is {motion.frame_rate}, expected 0 … 10000 per second")
-    for name in ("root_translation", "local_rotations"):
-        finite = np.isfinite(np.asarray(getattr(motion, name))).reshape(frames, -1).all(axis=1)
+    offsets = motion.joint_offsets
+    if offsets is not None and offsets.shape != (frames, joints, 3):
+        raise MotionError(
+            f"joint offsets have shape {offsets.shape}, expected {(frames, joints, 3)}"
+        )
+    for name in ("root_translation", "local_rotations", "joint_offsets"):
+        values = getattr(motion, name)
+        if values is None:
+            continue
+        finite = np.isfinite(np.asarray(values)).reshape(frames, -1).all(axis=1)
         if not finite.all():
             raise MotionError(f"{name} is not finite in frame {int(np.argmin(finite))}")
 
@@ -82,9 +90,10 @@ def sample(motion: Motion, frames: Float[Array, " T"]) -> Motion:
     xp = namespace(motion.root_translation, motion.local_rotations, frames)
     last = motion.num_frames - 1
     where = xp.clip(frames, 0, last)
-    low = xp.minimum(xp.floor(where).astype("int32"), max(last - 1, 0))
+    floor = xp.minimum(xp.floor(where), max(last - 1, 0))
+    low = floor.astype("int32")
     high = xp.minimum(low + 1, last)
-    t = (where - low).astype(motion.root_translation.dtype)
+    t = (where - floor).astype(motion.root_translation.dtype)
 
     def linear(values: Array) -> Array:
         weight = xp.reshape(t, (-1,) + (1,) * (values.ndim - 1))
@@ -107,11 +116,11 @@ def resample(motion: Motion, frame_rate: float) -> Motion:
 
     The result has the frames at 0, 1/rate, 2/rate, … up to the last captured frame.
     """
-    if frame_rate <= 0:
-        raise MotionError(f"frame rate is {frame_rate}, expected more than 0")
+    if not 0 < frame_rate <= 10000:
+        raise MotionError(f"frame rate is {frame_rate}, expected 0 … 10000 per second")
     step = motion.frame_rate / frame_rate
     count = int(np.floor((motion.num_frames - 1) / step + 1e-6)) + 1
-    if abs(step - round(step)) < 1e-6:
+    if round(step) >= 1 and abs(step - round(step)) < 1e-6:
         return replace(_pick(motion, slice(None, None, round(step))), frame_rate=float(frame_rate))
     return replace(sample(motion, np.arange(count) * step), frame_rate=float(frame_rate))
 
@@ -124,12 +133,12 @@ def mirror(skeleton: Skeleton, motion: Motion) -> Motion:
     """
     xp = namespace(motion.root_translation, motion.local_rotations)
     twins = np.array(mirror_joints(skeleton))
-    flip = xp.asarray(np.array([1, 1, -1, -1], dtype=motion.local_rotations.dtype))
-    flip_x = xp.asarray(np.array([-1, 1, 1], dtype=motion.root_translation.dtype))
+    flip = xp.asarray(np.array([[[1, 1, -1, -1]]], dtype=motion.local_rotations.dtype))
+    flip_x = xp.asarray(np.array([[-1, 1, 1]], dtype=motion.root_translation.dtype))
     offsets = motion.joint_offsets
     return replace(
         motion,
         root_translation=motion.root_translation * flip_x,
         local_rotations=motion.local_rotations[:, twins] * flip,
-        joint_offsets=None if offsets is None else offsets[:, twins] * flip_x,
+        joint_offsets=None if offsets is None else offsets[:, twins] * flip_x[None],
     )

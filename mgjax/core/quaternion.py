@@ -6,6 +6,8 @@ All functions broadcast over leading axes and work on NumPy and jax arrays alike
 
 from __future__ import annotations
 
+import math
+
 from jaxtyping import Float
 
 from mgjax.core.arrays import Array, namespace
@@ -100,14 +102,24 @@ def to_euler_zyx(q: Float[Array, "*b 4"]) -> Float[Array, "*b 3"]:
     """Angles (z, y, x) in rad with q = Rz·Ry·Rx; at the pole y = ±π/2, x is 0."""
     xp = namespace(q)
     w, x, y, z = (q[..., i] for i in range(4))
-    sin_y = xp.clip(2 * (w * y - z * x), -1.0, 1.0)
-    pole = xp.abs(sin_y) > 1 - 1e-7
-    yaw = xp.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    roll = xp.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
-    yaw_pole = xp.arctan2(-2 * (x * y - w * z), 1 - 2 * (x * x + z * z))
-    return xp.stack(
-        [xp.where(pole, yaw_pole, yaw), xp.arcsin(sin_y), xp.where(pole, 0.0 * roll, roll)], axis=-1
+    # With half angles: (w + y, z - x) = √2 sin(y/2 + π/4) (cos, sin)((z - x)/2) and
+    # (w - y, z + x) = √2 cos(y/2 + π/4) (cos, sin)((z + x)/2). Unlike an arcsine this stays exact
+    # near the poles, where one of the two pairs vanishes, and does not need a unit quaternion.
+    upper, lower = (w + y) ** 2 + (z - x) ** 2, (w - y) ** 2 + (z + x) ** 2
+    north, south = lower < 1e-12, upper < 1e-12
+    pitch = 2 * xp.arctan2(
+        xp.sqrt(xp.where(south, 1e-24, upper)), xp.sqrt(xp.where(north, 1e-24, lower))
     )
+    difference = xp.arctan2(xp.where(south, 0.0 * w, z - x), xp.where(south, 0.0 * w + 1, w + y))
+    total = xp.arctan2(xp.where(north, 0.0 * w, z + x), xp.where(north, 0.0 * w + 1, w - y))
+    yaw = xp.where(north, 2 * difference, xp.where(south, 2 * total, total + difference))
+    roll = xp.where(north | south, 0.0 * w, total - difference)
+
+    def wrap(angle: Array) -> Array:
+        turn = 2 * math.pi
+        return angle - turn * xp.round(angle / turn)
+
+    return xp.stack([wrap(yaw), pitch - 0.5 * math.pi, wrap(roll)], axis=-1)
 
 
 def from_two_vectors(a: Float[Array, "*a 3"], b: Float[Array, "*a 3"]) -> Float[Array, "*a 4"]:
@@ -162,4 +174,4 @@ def angle_between(a: Float[Array, "*a 4"], b: Float[Array, "*b 4"]) -> Float[Arr
     xp = namespace(a, b)
     d = multiply(conjugate(a), b)
     sine = xp.sqrt(xp.maximum(xp.sum(d[..., 1:] ** 2, axis=-1), 1e-20))
-    return 2 * xp.arctan2(sine, xp.abs(d[..., 0]))
+    return xp.asarray(2 * xp.arctan2(sine, xp.abs(d[..., 0])))

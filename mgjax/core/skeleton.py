@@ -16,6 +16,9 @@ from mgjax.core.pytree import register
 MAX_OFFSET_M = 10.0
 """No bone of a body is longer; a larger offset means a wrong unit or a broken file."""
 
+MAX_DEPTH = 256
+"""No body has more joints one below the other; a file that nests deeper is broken."""
+
 
 @register("names", "parents", "end_joints")
 @dataclass(frozen=True, kw_only=True)
@@ -66,11 +69,13 @@ def rest_positions(skeleton: Skeleton) -> np.ndarray:
 def depth_levels(parents: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
     """Joints grouped by depth, root first: kinematics goes one level at a time."""
     depth: list[int] = []
-    for parent in parents:
+    levels: list[list[int]] = []
+    for joint, parent in enumerate(parents):
         depth.append(0 if parent < 0 else depth[parent] + 1)
-    return tuple(
-        tuple(j for j, d in enumerate(depth) if d == level) for level in range(max(depth) + 1)
-    )
+        if depth[joint] == len(levels):
+            levels.append([])
+        levels[depth[joint]].append(joint)
+    return tuple(tuple(level) for level in levels)
 
 
 def validate_skeleton(skeleton: Skeleton) -> None:
@@ -94,6 +99,8 @@ def validate_skeleton(skeleton: Skeleton) -> None:
             raise SkeletonError(
                 f"joint {names[joint]!r} has parent {parent}, expected an earlier joint"
             )
+    if len(depth_levels(parents)) > MAX_DEPTH:
+        raise SkeletonError(f"joints are nested more than {MAX_DEPTH} deep, expected a body")
     bad = np.flatnonzero(~(np.abs(offsets) <= MAX_OFFSET_M).all(axis=1))
     if bad.size:
         joint = int(bad[0])

@@ -39,6 +39,9 @@ def solve(
     def norm(v: Array) -> Array:
         return xp.sqrt(xp.maximum(xp.sum(v * v, axis=-1), 1e-14))
 
+    def dot(a: Array, b: Array) -> Array:
+        return xp.sum(a * b, axis=-1)
+
     def cross(a: Array, b: Array) -> Array:
         ax, ay, az = (a[..., i] for i in range(3))
         bx, by, bz = (b[..., i] for i in range(3))
@@ -49,14 +52,20 @@ def solve(
     reach = xp.clip(norm(target - hip), xp.abs(a - b) * 1.001 + 1e-4, (a + b) * _REACH)
 
     # Angle between the bones at the knee: now, and as the target's distance needs it.
-    def bend(distance: Array) -> Array:
-        cosine = (a * a + b * b - distance * distance) / (2 * a * b)
-        return xp.arccos(xp.clip(cosine, -1 + 1e-6, 1 - 1e-6))
-
-    now, wanted = bend(norm(ankle - hip)), bend(reach)
     normal = cross(thigh, shin)
-    straight = norm(normal) < 1e-4 * a * b
-    normal = xp.where(straight[..., None], cross(pole, thigh), normal)
+    now = xp.arctan2(norm(normal), -dot(thigh, shin))
+    cosine = (a * a + b * b - reach * reach) / (2 * a * b)
+    wanted = xp.arccos(xp.clip(cosine, -1 + 1e-6, 1 - 1e-6))
+    straight = dot(normal, normal) < (1e-4 * a * b) ** 2
+    ahead = cross(pole, thigh)
+    # A pole along the leg (or none) says nothing: then any axis square to the thigh will do.
+    x, y, z = (thigh[..., i] for i in range(3))
+    use_x = (xp.abs(x) < 0.6 * a)[..., None]
+    square = xp.where(use_x, xp.stack([0 * x, -z, y], axis=-1), xp.stack([z, 0 * y, -x], axis=-1))
+    pole_length = xp.sqrt(xp.maximum(dot(pole, pole), 1e-14))
+    blind = dot(ahead, ahead) < (1e-4 * a * pole_length) ** 2
+    ahead = xp.where(blind[..., None], square, ahead)
+    normal = xp.where(straight[..., None], ahead, normal)
     normal = normal / norm(normal)[..., None]
     # Opening the knee turns the shin against the normal of (thigh × shin).
     knee_turn = quaternion.from_axis_angle(normal, now - wanted)

@@ -1,0 +1,63 @@
+"""All clips below a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fnmatch import fnmatch
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from mgjax.clips.types import Clip
+from mgjax.core.errors import MotionError
+from mgjax.core.motion import Motion
+from mgjax.io.load import SUFFIXES, load_motion
+
+
+def load_clips(
+    folder: str | Path, *, exclude: Sequence[str] = (), progress: bool = False
+) -> tuple[list[Clip], list[str]]:
+    """Loads every motion file in ``folder`` and the folders below it, in the order of their paths.
+
+    Args:
+        folder: where to look.
+        exclude: glob patterns on the path relative to ``folder``; matching files are left out.
+        progress: shows a bar on stderr.
+
+    Returns:
+        The clips, named by relative path with ``/``, and notes on what was left out: of two clips
+        with identical motion the first stays.
+
+    Raises:
+        MotionError: there is no clip.
+        FileFormatError: a file cannot be read.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise MotionError(f"{folder}: got no such folder, expected a folder of clips")
+    found = [p for p in folder.rglob("*") if p.suffix.lower() in SUFFIXES and p.is_file()]
+    names = sorted(p.relative_to(folder).as_posix() for p in found)
+    names = [n for n in names if not any(fnmatch(n, pattern) for pattern in exclude)]
+    if not names:
+        raise MotionError(f"{folder}: got no clip, expected {' or '.join(SUFFIXES)} files")
+    clips: list[Clip] = []
+    notes: list[str] = []
+    for name in tqdm(names, desc="reading", unit="clip", disable=not progress, leave=False):
+        skeleton, motion = load_motion(folder / name)
+        twin = next((c for c in clips if _same_motion(c.motion, motion)), None)
+        if twin is not None:
+            notes.append(f"{name}: left out, its motion is that of {twin.name}")
+            continue
+        clips.append(Clip(name=name, skeleton=skeleton, motion=motion))
+    return clips, notes
+
+
+def _same_motion(a: Motion, b: Motion) -> bool:
+    """Equal poses up to the rounding of a text file; a converted copy counts as the same."""
+    if a.local_rotations.shape != b.local_rotations.shape or a.frame_rate != b.frame_rate:
+        return False
+    if np.abs(a.root_translation - b.root_translation).max() > 1e-4:
+        return False
+    cosine = np.abs(np.sum(a.local_rotations * b.local_rotations, axis=-1))
+    return bool(cosine.min() > 1 - 1e-5)

@@ -1,0 +1,133 @@
+"""Labelled intervals from a JSON file.
+
+    {"clips": {"cmu14/14_02.amc": [{"start_s": 3.74, "end_s": 4.3, "kind": "duck",
+                                    "direction": "left", "genuine": true}]}}
+
+Clip paths are relative to the labels file's folder, else to the clips' folder. ``direction``
+(default none) and ``genuine`` (default true) may be left out; further keys are left unread.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from mgjax.clips.types import Clip, Label, Labels
+from mgjax.core.errors import LabelError
+from mgjax.io.text import read_text
+
+
+def load_labels(
+    path: str | Path, clips: list[Clip], clips_folder: str | Path
+) -> dict[str, tuple[Label, ...]]:
+    """Reads labels for ``clips``, whose names are paths relative to ``clips_folder``.
+
+    Raises:
+        LabelError: names the file, the clip and the interval: no such clip, an interval outside
+            its clip, empty, or overlapping another.
+    """
+    document = _parse(path)
+    known = {(Path(clips_folder) / clip.name).resolve(): clip for clip in clips}
+    found: dict[str, tuple[Label, ...]] = {}
+    for name, intervals in document.items():
+        places = [(Path(base) / name).resolve() for base in (Path(path).parent, clips_folder)]
+        clip = next((known[p] for p in places if p in known), None)
+        if clip is None:
+            if any(p.is_file() for p in places):
+                continue  # the file is there but was left out of this graph
+            raise LabelError(
+                path, _line_of(path, name), f"clip {name!r}, which is not there", "a clip"
+            )
+        if not isinstance(intervals, list):
+            raise LabelError(path, _line_of(path, name), f"{name!r}: {intervals!r:.40}", "a list")
+        labels = [_label(path, name, i, item) for i, item in enumerate(intervals)]
+        found[clip.name] = tuple(labels)
+    validate_labels(found, clips, source=path)
+    return found
+
+
+def validate_labels(labels: Labels, clips: list[Clip], *, source: str | Path = "labels") -> None:
+    """Raises :class:`LabelError` unless every interval lies in its clip and none overlap."""
+    motions = {clip.name: clip.motion for clip in clips}
+    for name, items in labels.items():
+        if name not in motions:
+            raise LabelError(source, None, f"labels for {name!r}", "the name of a clip")
+        line = _line_of(source, name)
+        rate, frames = motions[name].frame_rate, motions[name].num_frames
+        before: Label | None = None
+        for label in sorted(items, key=lambda x: x.start_s):
+            text = f"{name!r}: interval {label.start_s:g} … {label.end_s:g} s"
+            start, stop = round(label.start_s * rate), round(label.end_s * rate)
+            if start < 0 or stop > frames:
+                limit = frames / rate
+                raise LabelError(source, line, f"{text} outside the clip", f"0 … {limit:g} s")
+            if stop <= start:
+                raise LabelError(
+                    source, line, f"{text}, which has no frame", "an end after its start"
+                )
+            if before is not None and start < round(before.end_s * rate):
+                raise LabelError(
+                    source,
+                    line,
+                    f"{text} overlapping {before.start_s:g} … {before.end_s:g} s",
+                    "intervals that at most touch",
+                )
+            before = label
+
+
+def _parse(path: str | Path) -> dict[str, Any]:
+    text = read_text(path, "labels")
+    try:
+        document = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise LabelError(path, error.lineno, f"no JSON ({error.msg})", "a JSON object") from None
+    except RecursionError:
+        raise LabelError(path, None, "JSON nested too deep", "a JSON object") from None
+    clips = document.get("clips") if isinstance(document, dict) else None
+    if not isinstance(clips, dict):
+        raise LabelError(path, 1, "no object 'clips'", '{"clips": {file: [intervals]}}')
+    return clips
+
+
+def _label(path: str | Path, clip: str, index: int, item: Any) -> Label:
+    def fail(got: str, expected: str) -> LabelError:
+        return LabelError(
+            path, _line_of(path, clip), f"{clip!r}, interval {index}: {got}", expected
+        )
+
+    if not isinstance(item, dict):
+        raise fail(f"{item!r:.40}", "an object with start_s, end_s and kind")
+    for key in ("start_s", "end_s"):
+        value = item.get(key)
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or not math.isfinite(value)
+        ):
+            raise fail(f"{key} = {value!r:.40}", "a finite number of seconds")
+    if not isinstance(item.get("kind"), str) or not item["kind"]:
+        raise fail(f"kind = {item.get('kind')!r:.40}", "a word such as duck")
+    direction, genuine = item.get("direction", ""), item.get("genuine", True)
+    if not isinstance(direction, str):
+        raise fail(f"direction = {direction!r:.40}", "left, right or none")
+    if not isinstance(genuine, bool):
+        raise fail(f"genuine = {genuine!r:.40}", "true or false")
+    return Label(
+        start_s=float(item["start_s"]),
+        end_s=float(item["end_s"]),
+        kind=item["kind"],
+        direction="" if direction == "none" else direction,
+        genuine=genuine,
+    )
+
+
+def _line_of(path: str | Path, clip: str) -> int | None:
+    """Line in which a clip is named, for messages; None where the labels are no file."""
+    try:
+        lines = Path(path).read_text(errors="replace").splitlines()
+    except OSError:
+        return None
+    key = json.dumps(clip)
+    return next((no for no, line in enumerate(lines, 1) if key in line), None)

@@ -1,0 +1,117 @@
+"""Clips made ready for one graph: one skeleton, one rate, no T-pose, no jumps, mirrored copies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mgjax.clips.types import Clip, Label, Labels, mirrored_direction
+from mgjax.core.errors import MotionError, SkeletonError
+from mgjax.core.motion import Motion, cut, mirror, resample
+from mgjax.core.skeleton import Skeleton, find_role, first_difference, rest_positions
+from mgjax.io.oddities import jump_frames, starts_with_t_pose
+
+
+@dataclass(frozen=True, kw_only=True)
+class PreparedClip:
+    """A clip on the graph's skeleton and rate, its labels in frames of that rate.
+
+    Attributes:
+        name: as given; pieces of a split clip and mirrored copies have a suffix.
+        motion: at the graph's rate.
+        label_frames: [P,2] start and stop of each label, in frames.
+        labels: what they are.
+    """
+
+    name: str
+    motion: Motion
+    label_frames: np.ndarray
+    labels: tuple[Label, ...]
+
+
+def prepare_clips(
+    clips: list[Clip], labels: Labels, *, skeleton: Skeleton, frame_rate: float, mirrored: bool
+) -> tuple[list[PreparedClip], list[str]]:
+    """Puts clips on one skeleton and rate; returns them with notes on every change made.
+
+    Local rotations are copied; the root's place is scaled by the ratio of the leg lengths, so that
+    feet stay on the floor. A T-pose in the first frame is cut off, a clip is split where it jumps.
+
+    Raises:
+        SkeletonError: a clip has another hierarchy; the first difference is named.
+        MotionError: a clip has bones that are not rigid.
+    """
+    prepared: list[PreparedClip] = []
+    notes: list[str] = []
+    for clip in clips:
+        difference = first_difference(skeleton, clip.skeleton)
+        if difference is not None:
+            raise SkeletonError(
+                f"{clip.name}: got {difference}, expected one hierarchy in all clips"
+            )
+        if clip.motion.joint_offsets is not None:
+            raise MotionError(f"{clip.name}: got bones of changing length, expected rigid bones")
+        for name, start, stop in _pieces(clip, notes):
+            motion = resample(cut(clip.motion, start, stop), frame_rate)
+            scale = _leg_length(skeleton) / _leg_length(clip.skeleton)
+            motion = replace(motion, root_translation=motion.root_translation * np.float32(scale))
+            offset = start / clip.motion.frame_rate
+            kept: list[Label] = []
+            frames: list[tuple[int, int]] = []
+            for label in sorted(labels.get(clip.name, ()), key=lambda x: x.start_s):
+                first = round((label.start_s - offset) * frame_rate)
+                last = round((label.end_s - offset) * frame_rate)
+                if first >= 0 and last <= motion.num_frames and last > first:
+                    kept.append(label)
+                    frames.append((first, last))
+            prepared.append(
+                PreparedClip(
+                    name=name,
+                    motion=motion,
+                    label_frames=np.array(frames, dtype=np.int64).reshape(-1, 2),
+                    labels=tuple(kept),
+                )
+            )
+    if mirrored:
+        prepared += [_mirror(skeleton, clip) for clip in prepared]
+        notes.append(f"{len(clips)} clips mirrored left-right")
+    return prepared, notes
+
+
+def _pieces(clip: Clip, notes: list[str]) -> list[tuple[str, int, int]]:
+    """Name, start and stop of the pieces between the jumps of a clip."""
+    first = 0
+    if starts_with_t_pose(clip.skeleton, clip.motion):
+        notes.append(f"{clip.name}: T-pose in the first frame cut off")
+        first = 1
+    jumps = [int(f) for f in jump_frames(clip.skeleton, clip.motion) if f > first]
+    if not jumps:
+        return [(clip.name, first, clip.motion.num_frames)]
+    seconds = ", ".join(f"{f / clip.motion.frame_rate:.2f}" for f in jumps)
+    notes.append(f"{clip.name}: split where it jumps, at {seconds} s")
+    bounds = [first, *jumps, clip.motion.num_frames]
+    return [
+        (f"{clip.name}#{i}", a, b) for i, (a, b) in enumerate(zip(bounds, bounds[1:], strict=False))
+    ]
+
+
+def _leg_length(skeleton: Skeleton) -> float:
+    """Hip to ankle along the left leg of the rest pose, m; 1 where the skeleton names no legs."""
+    hip, ankle = find_role(skeleton, "left_hip"), find_role(skeleton, "left_ankle")
+    if hip is None or ankle is None:
+        return 1.0
+    places = rest_positions(skeleton)
+    length, joint = 0.0, ankle
+    while joint != hip and joint > 0:
+        parent = skeleton.parents[joint]
+        length += float(np.linalg.norm(places[joint] - places[parent]))
+        joint = parent
+    return length if length > 1e-3 else 1.0
+
+
+def _mirror(skeleton: Skeleton, clip: PreparedClip) -> PreparedClip:
+    flipped = tuple(replace(x, direction=mirrored_direction(x.direction)) for x in clip.labels)
+    return replace(
+        clip, name=f"{clip.name}~mirrored", motion=mirror(skeleton, clip.motion), labels=flipped
+    )

@@ -1,0 +1,170 @@
+"""Candidate transitions: local minima of the distance over every ordered pair of clips.
+
+All clips lie on one axis of frames, with a gap after each, and the matrix of that axis with itself
+is computed in tiles that are thrown away once searched, so memory does not grow with the square of
+the clips' length.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float
+from tqdm import tqdm
+
+from mgjax.core.arrays import Array
+from mgjax.core.padding import pad_axis
+from mgjax.graph.distance import (
+    WindowFeatures,
+    block_distances,
+    rows_of,
+    trim_paths,
+    window_features,
+)
+
+TILE = 1024
+
+
+@dataclass(frozen=True, kw_only=True)
+class Minima:
+    """Local minima of the window distance, sorted by distance.
+
+    Attributes:
+        rows, columns: window starts on the flat axis of frames. [M]
+        distances: m RMS. [M]
+        largest: the largest distance of any pair of windows, m; 0 unless all minima were asked for.
+    """
+
+    rows: np.ndarray
+    columns: np.ndarray
+    distances: np.ndarray
+    largest: float
+
+
+@partial(jax.jit, static_argnames=("window", "reach"))
+def _tile(
+    a: WindowFeatures,
+    b: WindowFeatures,
+    valid: Bool[Array, " R"],
+    row: Array,
+    column: Array,
+    threshold: Float[Array, ""],
+    *,
+    window: int,
+    reach: int,
+) -> tuple[Bool[Array, "T T"], Float[Array, "T2 T2"]]:
+    """One tile of window starts: which are minima, and all D² with a margin of ``reach``."""
+    size = TILE + 2 * reach
+    squared = block_distances(
+        rows_of(a, row, size, window), rows_of(b, column, size, window), window
+    )
+    ok = (
+        jax.lax.dynamic_slice_in_dim(valid, row, size)[:, None]
+        & jax.lax.dynamic_slice_in_dim(valid, column, size)[None, :]
+    )
+    squared = jnp.where(ok, jnp.maximum(squared, 0.0), jnp.inf)
+    inner = slice(reach, reach + TILE)
+    centre = squared[inner, inner]
+    found = centre < threshold**2
+    for i in range(-reach, reach + 1):
+        for j in range(-reach, reach + 1):
+            other = squared[reach + i : reach + i + TILE, reach + j : reach + j + TILE]
+            if (i, j) < (0, 0):
+                found &= centre < other  # a tie goes to the lower (row, column)
+            elif (i, j) > (0, 0):
+                found &= centre <= other
+    return found, squared
+
+
+def find_minima(
+    positions: Float[np.ndarray, "F J 3"],
+    starts: np.ndarray,
+    stops: np.ndarray,
+    weights: np.ndarray,
+    *,
+    window: int,
+    neighbourhood: int,
+    threshold: float,
+    progress: bool = False,
+) -> Minima:
+    """Minima of the distance below ``threshold``, each the lowest of its neighbourhood.
+
+    Args:
+        positions: joints of all clips one after another, m.
+        starts, stops: frames of each clip on that axis, stop exclusive.
+        weights: [J], with the sum 1.
+        window: frames in a window.
+        neighbourhood: n; a minimum is compared with its (2n+1)² − 1 neighbours in the matrix of its
+            own pair of clips. Ties go to the lowest (row, column), so that a flat bottom has one.
+        threshold: m; ``numpy.inf`` for all minima.
+        progress: shows a bar on stderr.
+    """
+    frames, valid, features = _features(positions, starts, stops, weights, window, neighbourhood)
+    features, _ = trim_paths(features, features)
+    features = jax.tree.map(jnp.asarray, features)
+    mask = jnp.asarray(pad_axis(valid, len(features.spread), value=0))
+    count = -(-len(valid) // TILE)
+    found: list[tuple[np.ndarray, ...]] = []
+    largest = 0.0
+    tiles = [(i * TILE, j * TILE) for i in range(count) for j in range(count)]
+    bar = tqdm(tiles, desc="distances", unit="tile", disable=not progress, leave=False)
+    for row, column in bar:
+        hits, squared = _tile(
+            features,
+            features,
+            mask,
+            jnp.int32(row),
+            jnp.int32(column),
+            jnp.float32(min(threshold, 1e18)),
+            window=window,
+            reach=neighbourhood,
+        )
+        squares = np.asarray(squared)[neighbourhood:-neighbourhood, neighbourhood:-neighbourhood]
+        if np.isinf(threshold):
+            largest = max(largest, float(squares.max(where=np.isfinite(squares), initial=0.0)))
+        r, c = np.nonzero(np.asarray(hits))
+        if len(r):
+            found.append((r + row, c + column, squares[r, c]))
+    parts = [np.concatenate(x) for x in zip(*found, strict=True)] if found else [np.zeros(0)] * 3
+    # The axis carries the neighbourhood as a margin in front.
+    r, c = (frames[x.astype(np.int64) + neighbourhood] for x in parts[:2])
+    distance = np.sqrt(parts[2].astype(np.float64))
+    order = np.lexsort((c, r, distance))
+    return Minima(
+        rows=r[order],
+        columns=c[order],
+        distances=distance[order],
+        largest=float(np.sqrt(largest)),
+    )
+
+
+def _features(
+    positions: np.ndarray,
+    starts: np.ndarray,
+    stops: np.ndarray,
+    weights: np.ndarray,
+    window: int,
+    margin: int,
+) -> tuple[np.ndarray, np.ndarray, WindowFeatures]:
+    """Features of an axis with gaps of ``margin`` frames, each entry's frame, and which are starts.
+
+    Windows that do not fit their clip count as infinitely far, as do those of the gaps, so the
+    neighbourhoods of two pairs of clips never meet.
+    """
+    pieces: list[np.ndarray] = [np.full(margin, -1)]
+    valid: list[np.ndarray] = [np.zeros(margin, dtype=bool)]
+    for start, stop in zip(starts, stops, strict=True):
+        pieces += [np.arange(start, stop), np.full(margin, -1)]
+        fits = np.arange(start, stop) + window <= stop
+        valid += [fits, np.zeros(margin, dtype=bool)]
+    frames, starting = np.concatenate(pieces), np.concatenate(valid)
+    rows = -(-(len(frames) - margin) // TILE) * TILE + 2 * margin
+    size = rows + window - 1
+    padded = np.zeros((size, *positions.shape[1:]), dtype=np.float32)
+    padded[: len(frames)][frames >= 0] = positions[frames[frames >= 0]]
+    level = float(positions[..., 1].mean())
+    return frames, starting, window_features(padded, weights, level, window)
