@@ -139,7 +139,7 @@ def choose_threshold(candidates: Candidates, keep: float, max_threshold: float) 
         below = float(threshold)
     what = f"{len(c.label_starts)} labels" if len(c.label_starts) else "the motion"
     raise GraphError(
-        f"got {best[0]:.0%} of {what} kept at most (threshold {best[1]:.3f} m) with thresholds up to"
+        f"got {best[0]:.0%} of {what} kept at most (at {best[1]:.3f} m) with thresholds up to"
         f" {max_threshold:g} m, expected {keep:.0%}; lower keep, raise max_threshold_m or add clips"
     )
 

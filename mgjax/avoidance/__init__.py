@@ -1,0 +1,29 @@
+"""Avoidance: the walk that gets a character out of the way with the least movement.
+
+After Oshita and Masaoka, *Generating Avoidance Motion Using Motion Graph* (2011).
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+_HOMES = {
+    "Attack": "mgjax.avoidance.attack",
+    "AvoidanceConfig": "mgjax.avoidance.config",
+    "Energies": "mgjax.avoidance.energy",
+    "EnergyConfig": "mgjax.avoidance.energy",
+    "Selection": "mgjax.avoidance.selection",
+    "SpeedConfig": "mgjax.avoidance.config",
+    "ball_attack": "mgjax.avoidance.attack",
+    "energies": "mgjax.avoidance.energy",
+    "energies_batch": "mgjax.avoidance.energy",
+    "select": "mgjax.avoidance.selection",
+}
+__all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(importlib.import_module(_HOMES[name]), name)
+    raise AttributeError(f"module 'mgjax.avoidance' has no attribute {name!r}")

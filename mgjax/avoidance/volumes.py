@@ -1,0 +1,104 @@
+"""The body as spheres fixed to its bones (§4.2), and their places over a motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from mgjax.core.arrays import Array
+from mgjax.core.skeleton import Skeleton, find_role, require_roles, rest_positions
+
+PRESET_HEIGHT_M = 1.7
+
+# From joint, to joint, place between them, radius in m for a body of 1.7 m. "@" stands for a side.
+_PRESET: tuple[tuple[str, str, float, float], ...] = (
+    ("root", "chest", 0.0, 0.130),
+    ("root", "chest", 0.5, 0.135),
+    ("chest", "neck", 0.0, 0.140),
+    ("chest", "neck", 0.8, 0.120),
+    ("neck", "head", 0.6, 0.070),
+    ("head", "head_end", 0.5, 0.115),
+    ("@_shoulder", "@_elbow", 0.0, 0.070),
+    ("@_shoulder", "@_elbow", 0.5, 0.055),
+    ("@_elbow", "@_wrist", 0.0, 0.050),
+    ("@_elbow", "@_wrist", 0.6, 0.045),
+    ("@_wrist", "@_hand", 0.6, 0.060),
+    ("@_hip", "@_knee", 0.2, 0.100),
+    ("@_hip", "@_knee", 0.65, 0.080),
+    ("@_knee", "@_ankle", 0.0, 0.065),
+    ("@_knee", "@_ankle", 0.4, 0.060),
+    ("@_knee", "@_ankle", 0.85, 0.050),
+    ("@_ankle", "@_toe", 0.2, 0.050),
+    ("@_ankle", "@_toe", 1.0, 0.045),
+)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodySpheres:
+    """Spheres between pairs of joints: centre = (1 − share) · first joint + share · second.
+
+    Attributes:
+        names: one for each sphere, such as ``"left_knee-left_ankle 0.40"``.
+        first, second: joint indices. [S]
+        share: place between them, 0 … 1. [S]
+        radii: m. [S]
+    """
+
+    names: tuple[str, ...]
+    first: Int[np.ndarray, " S"]
+    second: Int[np.ndarray, " S"]
+    share: Float[np.ndarray, " S"]
+    radii: Float[np.ndarray, " S"]
+
+
+def preset_spheres(skeleton: Skeleton) -> BodySpheres:
+    """30 spheres for head, neck, torso, arms, hands, legs and feet, scaled to the skeleton.
+
+    Works on every skeleton whose joints have the usual names (CMU, its BVH conversions, Mixamo);
+    :class:`SkeletonError` names what is missing. Hands, toes and the top of the head fall back to
+    the end of their bone, and to the joint itself where there is none.
+    """
+    height = float(np.ptp(rest_positions(skeleton)[:, 1]))
+    scale = height / PRESET_HEIGHT_M if height > 0.1 else 1.0
+    rows: list[tuple[str, int, int, float, float]] = []
+    for a, b, share, radius in _PRESET:
+        for side in ("left", "right") if "@" in a else ("",):
+            names = [x.replace("@", side) for x in (a, b)]
+            first, second = (_joint(skeleton, name) for name in names)
+            rows.append(
+                (f"{names[0]}-{names[1]} {share:.2f}", first, second, share, radius * scale)
+            )
+    return BodySpheres(
+        names=tuple(row[0] for row in rows),
+        first=np.array([row[1] for row in rows]),
+        second=np.array([row[2] for row in rows]),
+        share=np.array([row[3] for row in rows], dtype=np.float32),
+        radii=np.array([row[4] for row in rows], dtype=np.float32),
+    )
+
+
+_FALLBACKS = {"head_end": "head", "hand": "wrist", "toe": "ankle"}
+
+
+def _joint(skeleton: Skeleton, role: str) -> int:
+    side, _, part = role.rpartition("_") if role != "head_end" else ("", "", role)
+    if part in _FALLBACKS:
+        found = None if part == "head_end" else find_role(skeleton, role)
+        if found is not None:
+            return found
+        base = _FALLBACKS[part] if not side else f"{side}_{_FALLBACKS[part]}"
+        (joint,) = require_roles(skeleton, (base,))
+        return next((j for j in skeleton.end_joints if skeleton.parents[j] == joint), joint)
+    return require_roles(skeleton, (role,))[0]
+
+
+def sphere_centres(
+    spheres: BodySpheres, positions: Float[Array, "*b J 3"]
+) -> Float[Array, "*b S 3"]:
+    """Centres of the spheres for joint positions, m."""
+    share = spheres.share[:, None]
+    return (
+        positions[..., spheres.first, :] * (1 - share) + positions[..., spheres.second, :] * share
+    )
