@@ -155,7 +155,7 @@ def _body(
     places: Float[Array, "C L 3"],
     times: Float[Array, "T C1"],
 ) -> Float[Array, "3 T S C"]:
-    """Sphere centres of each candidate at times on its path; after its end the last pose is held."""
+    """Sphere centres of each candidate at times on its path; its last pose is held after it."""
     count, longest = edges.shape
     when = jnp.broadcast_to(times, (times.shape[0], count))
     slot = jnp.sum(when[..., None] >= ends[None], axis=-1)
@@ -231,8 +231,7 @@ def judge(
             limit_scale=config.limit_scale,
         )
         parts.append(_flatten(judged))
-    kept = {name: np.concatenate([p[name] for p in parts])[:count] for name in parts[0]}
-    return kept
+    return {name: np.concatenate([p[name] for p in parts])[:count] for name in parts[0]}
 
 
 def _flatten(judged: Judged) -> dict[str, np.ndarray]:

@@ -282,7 +282,7 @@ def _play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceCo
             if tried > MAX_CONTINUATIONS:
                 break
             longer = Walk(edges=np.append(walk.edges, edge), scales=np.append(walk.scales, 1.0))
-            stop = end + graph.edge_frames[edge] / graph.frame_rate
+            stop = end + float(graph.edge_frames[edge]) / graph.frame_rate
             gap = _clearance_between(graph, attack, longer, end, min(stop, until))
             if gap >= CLEAR_M:
                 stack.append((longer, stop, min(clear, gap)))
@@ -295,7 +295,7 @@ def _play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceCo
 def _clearance_between(
     graph: MotionGraph, attack: Attack, walk: Walk, start: float, stop: float
 ) -> float:
-    """Exact clearance of a walk from ``start`` to ``stop``, s; nothing is computed without attack."""
+    """Exact clearance of a walk from ``start`` to ``stop``, s; far where there is no attack."""
     if stop <= attack.start or start >= attack.end:
         return 1e6
     spheres = preset_spheres(graph.skeleton)

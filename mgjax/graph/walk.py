@@ -33,7 +33,7 @@ class Walk:
 
 
 def make_walk(
-    graph: MotionGraph, edges: Sequence[int] | np.ndarray, scales: Sequence[float] | None = None
+    graph: MotionGraph, edges: Sequence[int] | np.ndarray, scales: Sequence[float] | np.ndarray | None = None
 ) -> Walk:
     """A walk from its edges; :class:`MotionError` if one does not begin where the last ends."""
     chosen = np.asarray(edges, dtype=np.int64)

@@ -1,0 +1,89 @@
+"""Settings of the avoidance room. Neither jax nor numpy is imported here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+Number: TypeAlias = Any
+"""A Python float, or a jax scalar: settings that are traced, so that sweeps and gradients go
+through them without a new compilation."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnergyConfig:
+    """How a candidate path is judged (Oshita & Masaoka 2011, §4.2, eqs 4–10).
+
+    The numbers are traced, the two strings are static.
+
+    Attributes:
+        form: what counts as penetrating the avoidance volume. ``"paper"``: every sphere that is
+            farther from the attack than at the start of the avoidance part, by how much (eq. 5 as
+            printed). ``"overlap"``: only the depth to which the attack would have hit.
+        d0: what the clearance is compared with. ``"paper"``: the clearance of a body that freezes,
+            also where it is negative. ``"clamped"``: the same, at least 0.
+        E_avoidance: e' at which an avoidance is perfect, m·s, > 0. Depends on ``form``, the body
+            spheres and the crop of the attack; the paper prints 0.5.
+        D_body: clearance beyond ``d0`` at which a movement is as bad as none, m, > 0. The paper
+            gives no value.
+        E_time: largest acceptable time scale, > 0.
+        w_a: weight of the avoidance energy.
+        w_b: weight of the body energy.
+        w_t: weight of the time scale energy.
+    """
+
+    form: Literal["paper", "overlap"] = "overlap"
+    d0: Literal["clamped", "paper"] = "clamped"
+    E_avoidance: Number = 0.02
+    D_body: Number = 0.3
+    E_time: Number = 4.0
+    w_a: Number = 1.0
+    w_b: Number = 1.0
+    w_t: Number = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedConfig:
+    """Which edges may change their speed (§4.1), by their largest end-effector speed, m/s.
+
+    An edge above ``V_fast`` may be slowed down, one between ``V_still`` and ``V_slow`` sped up, one
+    below ``V_still`` both. The printed values are 0.3, 0.1 and 0.0: no edge is ever still and
+    nearly every edge of real capture may only be slowed down. The defaults were chosen by
+    measurement; with them an edge up to ``V_slow`` may also be sped up.
+    """
+
+    V_fast: float = 0.3
+    V_slow: float = 3.0
+    V_still: float = 0.3
+
+
+@dataclass(frozen=True, kw_only=True)
+class AvoidanceConfig:
+    """How an avoidance is looked for.
+
+    Attributes:
+        energy: how candidates are judged.
+        speed: which edges may change speed.
+        T_window: width of the window of eq. 1 around the time of the attack, s.
+        crop_radius_m, crop_height_m: the part of an attack within this cylinder around the root
+            counts for energies and timing.
+        body_rate: samples per second of the body volume, per edge. The paper's 10 Hz are off by up
+            to 14 cm in between; at the capture's rate ranking and final check agree.
+        evaluation_step_s: longest interval at which volumes are compared.
+        limit_scale: rejects time scales outside [1/E_time, E_time]; the paper keeps them.
+        capacity: most candidates that are judged; those beyond are counted, never silent.
+        checks: most candidates that are checked exactly.
+        settle_s: how long after the attack the motion still has to stay clear, s.
+    """
+
+    energy: EnergyConfig = EnergyConfig()
+    speed: SpeedConfig = SpeedConfig()
+    T_window: float = 1.0
+    crop_radius_m: float = 1.0
+    crop_height_m: float = 2.3
+    body_rate: float = 30.0
+    evaluation_step_s: float = 0.05
+    limit_scale: bool = True
+    capacity: int = 4096
+    checks: int = 64
+    settle_s: float = 0.2

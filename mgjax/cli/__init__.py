@@ -1,0 +1,47 @@
+"""The command line: ``mgjax info | build | avoid | demo | bench``.
+
+``--help`` must be quick, so nothing heavy is imported before a command has been chosen.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import tyro
+
+from mgjax.cli.commands import Avoid, Bench, Build, Demo, Info
+
+Command = (
+    Annotated[Info, tyro.conf.subcommand("info")]
+    | Annotated[Build, tyro.conf.subcommand("build")]
+    | Annotated[Avoid, tyro.conf.subcommand("avoid")]
+    | Annotated[Demo, tyro.conf.subcommand("demo")]
+    | Annotated[Bench, tyro.conf.subcommand("bench")]
+)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs one command; returns its exit status: 0, or 2 for bad input with one line on stderr."""
+    command = tyro.cli(
+        Command,  # pyright: ignore[reportArgumentType]
+        prog="mgjax",
+        description="Motion graphs for characters that react.",
+        args=arguments,
+        config=(tyro.conf.FlagCreatePairsOff, tyro.conf.HelptextFromCommentsOff),
+    )
+    from mgjax.core.compilation import enable_cache
+    from mgjax.core.errors import MgjaxError
+
+    enable_cache()
+    try:
+        command.run()
+    except MgjaxError as error:
+        print("mgjax: " + " ".join(str(error).split("\n")), file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        return 0
+    except KeyboardInterrupt:
+        print("mgjax: interrupted; nothing was written", file=sys.stderr)
+        return 130
+    return 0

@@ -1,0 +1,139 @@
+"""``mgjax avoid``."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mgjax.avoidance.attack import Attack, ball_attack
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.selection import Selection, select
+from mgjax.avoidance.volumes import preset_spheres
+from mgjax.cli.commands import Avoid
+from mgjax.cli.report import emit, to_json
+from mgjax.graph.files import load_graph
+from mgjax.graph.types import NO_CLIP, MotionGraph
+from mgjax.io.bvh import save_bvh
+from mgjax.io.output import output_folder
+from mgjax.runs.config import load_config
+from mgjax.runs.plot import Throw, scene_picture
+
+
+def run(command: Avoid) -> None:
+    """Throws one ball and writes what came of it."""
+    config = load_config(command.config, AvoidanceConfig) if command.config else AvoidanceConfig()
+    graph = load_graph(command.graph)
+    node = command.node
+    if node is None:
+        node = int(np.random.default_rng(command.seed).integers(graph.num_nodes))
+    attack = ball_attack(
+        np.array(command.start),
+        np.array(command.at),
+        speed=command.speed,
+        arrives=command.arrives,
+        gravity=command.gravity,
+        radius=command.radius,
+    )
+    with output_folder(command.out) as folder:
+        selection = select(graph, node, attack, config=config, seed=command.seed)
+        result = selection_json(graph, selection)
+        (folder / "result.json").write_text(to_json(result) + "\n")
+        save_bvh(folder / "motion.bvh", graph.skeleton, selection.motion)
+        write_volumes(folder / "volumes.npz", graph, attack, selection)
+        scene_picture(folder / "scene.png", graph, [Throw(attack=attack, selection=selection)])
+    emit(result, [describe(graph, selection), f"written to {command.out}"], as_json=command.json)
+
+
+def selection_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
+    """The answer to an attack as JSON values.
+
+    ``start_s`` and ``end_s`` of an edge are seconds from now; ``clip`` is the clip it plays, or the
+    two that it blends, and ``clip_start_s`` … ``clip_end_s`` what it plays of it.
+    """
+    chosen = selection
+    crop = chosen.crop
+    return {
+        "status": chosen.status,
+        "node": chosen.node,
+        "candidates": chosen.candidates,
+        "dropped": dataclasses.asdict(chosen.dropped),
+        "walk": _walk_json(graph, selection),
+        "time_scale": chosen.time_scale,
+        "part": None if chosen.part is None else _part_json(graph, chosen.part),
+        "energy": None if chosen.energy is None else dataclasses.asdict(chosen.energy),
+        "clearance_m": chosen.clearance_m,
+        "clear_until": chosen.clear_until,
+        "attack": None
+        if crop is None
+        else {"crop_start_s": crop.start, "crop_end_s": crop.end, "t_attack": crop.middle},
+    }
+
+
+def _walk_json(graph: MotionGraph, selection: Selection) -> list[dict[str, Any]]:
+    walk = selection.walk
+    starts = walk.starts(graph)
+    rows: list[dict[str, Any]] = []
+    for i, edge in enumerate(walk.edges):
+        clip = int(graph.edge_clip[edge])
+        row: dict[str, Any] = {"edge": int(edge)}
+        if clip == NO_CLIP:
+            ends = (
+                graph.node_clip[graph.edge_source[edge]],
+                graph.node_clip[graph.edge_target[edge]],
+            )
+            row["clip"] = " > ".join(graph.clip_names[int(c)] for c in ends)
+        else:
+            row["clip"] = graph.clip_names[clip]
+        row |= {"start_s": float(starts[i]), "end_s": float(starts[i + 1])}
+        row |= {"scale": float(walk.scales[i]), "path": i < selection.path_length}
+        if clip != NO_CLIP:
+            frames = np.array([graph.edge_starts[edge], graph.edge_stops[edge]])
+            seconds = (frames - graph.clip_starts[clip]) / graph.frame_rate
+            row |= {"clip_start_s": float(seconds[0]), "clip_end_s": float(seconds[1])}
+        rows.append(row)
+    return rows
+
+
+def _part_json(graph: MotionGraph, part: int) -> dict[str, Any]:
+    return {
+        "index": part,
+        "kind": graph.label_kind[part],
+        "direction": graph.label_direction[part],
+        "genuine": bool(graph.label_genuine[part]),
+    }
+
+
+def write_volumes(path: Path, graph: MotionGraph, attack: Attack, selection: Selection) -> None:
+    """Attack and body over time, as they were checked.
+
+    Before its first and after its last moment the attack is not there: it is then put 1 km under
+    the floor, so that every distance stays a number.
+    """
+    trace = selection.trace
+    centres = attack.at(trace.times)
+    gone = (trace.times < attack.start - 1e-9) | (trace.times > attack.end + 1e-9)
+    centres[gone, :, 1] = -1000.0
+    np.savez_compressed(
+        path,
+        times=trace.times,
+        attack_centres=centres,
+        attack_radii=attack.radii,
+        body_centres=trace.centres,
+        body_radii=preset_spheres(graph.skeleton).radii,
+    )
+
+
+def describe(graph: MotionGraph, selection: Selection) -> str:
+    """One line for people."""
+    chosen = selection
+    if chosen.status == "no_candidate":
+        return f"no candidate ({chosen.candidates} walks, dropped {chosen.dropped})"
+    kind, way = graph.label_kind[chosen.part or 0], graph.label_direction[chosen.part or 0]
+    return (
+        f"{chosen.status} by {kind} {way}".rstrip()
+        + f", clearance {chosen.clearance_m:.3f} m, time scale {chosen.time_scale:.2f},"
+        f" best of {chosen.candidates} candidates"
+    )

@@ -1,0 +1,3 @@
+"""``mgjax bench``."""
+
+from __future__ import annotations

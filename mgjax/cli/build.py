@@ -1,0 +1,80 @@
+"""``mgjax build``."""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+from typing import Any
+
+from mgjax.cli.commands import Build
+from mgjax.cli.report import emit, to_json
+from mgjax.clips.folder import load_clips
+from mgjax.clips.labels import load_labels
+from mgjax.graph.build import build_graph
+from mgjax.graph.config import GraphConfig
+from mgjax.graph.files import save_graph
+from mgjax.io.load import load_motion
+from mgjax.io.output import output_folder
+from mgjax.runs.config import load_config
+
+KEYS = (
+    "frames",
+    "clips",
+    "transitions",
+    "nodes",
+    "edges",
+    "threshold_m",
+    "labels_total",
+    "labels_kept",
+    "labels_enterable",
+    "genuine_total",
+    "genuine_kept",
+    "genuine_enterable",
+    "seconds",
+    "foot_slide_before",
+    "foot_slide_after",
+    "notes",
+)
+
+
+def run(command: Build) -> None:
+    """Reads clips and labels, builds the graph, writes it."""
+    begin = time.perf_counter()
+    config = load_config(command.config, GraphConfig) if command.config else GraphConfig()
+    if command.mirror:
+        config = replace(config, mirror=True)
+    progress = sys.stderr.isatty()
+    with output_folder(command.out) as folder:
+        clips, notes = load_clips(command.clips, exclude=command.exclude, progress=progress)
+        labels = load_labels(command.labels, clips, command.clips) if command.labels else None
+        skeleton = load_motion(command.skeleton)[0] if command.skeleton else None
+        read = time.perf_counter()
+        graph = build_graph(
+            clips, labels=labels, config=config, skeleton=skeleton, progress=progress
+        )
+        report = graph.report
+        report["notes"] = notes + report["notes"]
+        report["seconds"] = {"read": round(read - begin, 4), **report["seconds"]}
+        start = time.perf_counter()
+        save_graph(folder, graph)
+        report["seconds"]["save"] = round(time.perf_counter() - start, 4)
+        report["seconds"]["total"] = round(time.perf_counter() - begin, 4)
+        result = {key: report[key] for key in KEYS}
+        (folder / "build.json").write_text(to_json(result) + "\n")
+    emit(result, _lines(result, str(command.out)), as_json=command.json)
+
+
+def _lines(result: dict[str, Any], out: str) -> list[str]:
+    lines = [f"note: {note}" for note in result["notes"]]
+    lines += [
+        f"{result['clips']} clips, {result['frames']} frames: {result['transitions']} transitions"
+        f" below {result['threshold_m']:.4f} m, {result['nodes']} nodes, {result['edges']} edges",
+        f"labels: {result['labels_kept']} of {result['labels_total']} kept,"
+        f" {result['labels_enterable']} enterable; genuine: {result['genuine_kept']} of"
+        f" {result['genuine_total']} kept, {result['genuine_enterable']} enterable",
+        f"planted feet travel {1000 * result['foot_slide_before']:.2f} mm per transition frame as"
+        f" blended, {1000 * result['foot_slide_after']:.2f} mm cleaned",
+        f"{result['seconds']['total']:.1f} s; written to {out}",
+    ]
+    return lines

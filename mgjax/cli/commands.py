@@ -1,0 +1,124 @@
+"""The commands and their arguments. Their work is imported when they run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Output:
+    """How results are printed."""
+
+    json: bool = False
+    """Print one JSON object on stdout."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Info(Output):
+    """Describe motion files: skeleton, frames, rate, unit, oddities."""
+
+    files: tyro.conf.Positional[tuple[Path, ...]]
+    """BVH files, or AMC files with their ASF beside them."""
+    out: Path | None = None
+    """Folder for info.json."""
+
+    def run(self) -> None:
+        from mgjax.cli.info import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Build(Output):
+    """Build a motion graph from a folder of clips."""
+
+    clips: Path
+    """Folder of clips; folders below it count too."""
+    out: Path
+    """Folder for the graph."""
+    exclude: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """Glob on the path below the clips' folder; may be given more than once."""
+    labels: Path | None = None
+    """JSON file of labelled intervals."""
+    skeleton: Path | None = None
+    """File whose skeleton the graph gets; default: that of the first clip."""
+    mirror: bool = False
+    """Add a left-right mirrored copy of every clip."""
+    config: Path | None = None
+    """TOML file of graph settings."""
+
+    def run(self) -> None:
+        from mgjax.cli.build import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Avoid(Output):
+    """Throw a ball at a character and write the motion that avoids it."""
+
+    graph: Path
+    """Folder of a graph."""
+    start: Annotated[Vector, tyro.conf.arg(name="from", metavar="X Y Z")]
+    """Where the ball is thrown from, m, in the character's frame (x left, y up, z ahead)."""
+    at: Annotated[Vector, tyro.conf.arg(metavar="X Y Z")]
+    """Where it is thrown at, m."""
+    speed: float
+    """Speed at launch, m/s."""
+    arrives: float
+    """Seconds from now until the ball is there."""
+    out: Path
+    """Folder for motion.bvh, result.json, scene.png and volumes.npz."""
+    gravity: bool = False
+    """The ball falls; otherwise it flies straight."""
+    radius: float = 0.12
+    """Radius of the ball, m."""
+    node: int | None = None
+    """Where the character stands in the graph; default: drawn by the seed."""
+    seed: int = 0
+    """Draws the node, and what is played where nothing avoids."""
+    config: Path | None = None
+    """TOML file of avoidance settings."""
+
+    def run(self) -> None:
+        from mgjax.cli.avoid import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Demo(Output):
+    """Throw balls at a character made of the embedded clips."""
+
+    out: Path = Path("out/demo")
+    """Folder for motion.bvh, result.json and scene.png."""
+    balls: int = 5
+    """How many."""
+    seed: int = 0
+    """Draws clips, places and throws."""
+
+    def run(self) -> None:
+        from mgjax.cli.demo import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bench(Output):
+    """Measure speed; rows have medians, quartiles and ratios to a bare kernel of the same run."""
+
+    what: tyro.conf.Positional[Literal["distance", "build"]]
+    """What to measure."""
+    out: Path | None = None
+    """Folder for bench.json."""
+
+    def run(self) -> None:
+        from mgjax.cli.bench import run
+
+        run(self)

@@ -1,0 +1,65 @@
+"""``mgjax demo``: the embedded clips, several balls, one motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mgjax.avoidance.attack import ball_attack
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.selection import select
+from mgjax.cli.avoid import describe, selection_json
+from mgjax.cli.commands import Demo
+from mgjax.cli.report import emit, to_json
+from mgjax.clips.synthetic import synthetic_clips
+from mgjax.core.errors import ConfigError
+from mgjax.graph.build import build_graph
+from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import unroll
+from mgjax.io.bvh import save_bvh
+from mgjax.io.output import output_folder
+from mgjax.runs.plot import Throw, scene_picture
+
+HEIGHTS_M = (1.45, 0.5, 1.1, 1.55, 0.8)
+"""Heights at which the balls pass, in turn: head, knees, belly."""
+
+
+def run(command: Demo) -> None:
+    """Throws balls one after another; each is known when the motion before it is over."""
+    if not 1 <= command.balls <= 100:
+        raise ConfigError(f"got {command.balls} balls, expected 1 … 100")
+    with output_folder(command.out) as folder:
+        clips, labels = synthetic_clips(seed=command.seed)
+        graph = build_graph(clips, labels=labels)
+        throws, edges = throw_balls(graph, command.balls, command.seed)
+        save_bvh(folder / "motion.bvh", graph.skeleton, unroll(graph, edges))
+        result: dict[str, Any] = {
+            "graph": {k: v for k, v in graph.report.items() if k != "seconds"},
+            "balls": [selection_json(graph, t.selection) for t in throws],
+            "avoided": sum(t.selection.status == "avoided" for t in throws),
+        }
+        (folder / "result.json").write_text(to_json(result) + "\n")
+        scene_picture(folder / "scene.png", graph, throws)
+    lines = [f"ball {i}: {describe(graph, t.selection)}" for i, t in enumerate(throws, 1)]
+    lines.append(f"{result['avoided']} of {command.balls} avoided; written to {command.out}")
+    emit(result, lines, as_json=command.json)
+
+
+def throw_balls(graph: MotionGraph, balls: int, seed: int) -> tuple[list[Throw], np.ndarray]:
+    """Throws ``balls`` balls from random sides at 10 m/s; the motions follow one another."""
+    rng = np.random.default_rng(seed)
+    config = AvoidanceConfig()
+    node = int(rng.integers(graph.num_nodes))
+    throws: list[Throw] = []
+    edges: list[np.ndarray] = []
+    for number in range(balls):
+        side = rng.uniform(0, 2 * np.pi)
+        target = np.array([0.0, HEIGHTS_M[number % len(HEIGHTS_M)], 0.0])
+        start = target + 5.0 * np.array([np.sin(side), 0.0, np.cos(side)])
+        attack = ball_attack(start, target, speed=10.0, arrives=1.2)
+        selection = select(graph, node, attack, config=config, seed=seed + number)
+        throws.append(Throw(attack=attack, selection=selection))
+        edges.append(selection.walk.edges)
+        node = int(graph.edge_target[selection.walk.edges[-1]])
+    return throws, np.concatenate(edges)

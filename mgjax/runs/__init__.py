@@ -1,0 +1,1 @@
+"""Running things: configurations, timings, pictures."""
