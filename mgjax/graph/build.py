@@ -104,28 +104,29 @@ def build_graph(
         axis, notes = _lay_out(named, given, skeleton or named[0].skeleton, config)
     window = max(1, round(config.window_s * config.frame_rate))
     weights = joint_weights(axis.skeleton, config.weights)
-    with watch.step("distance"):
-        minima = find_minima(
+
+    def search(limit: float) -> Minima:
+        return find_minima(
             axis.positions,
             axis.starts,
             axis.stops,
             weights,
             window=window,
             neighbourhood=config.neighbourhood,
-            threshold=_search_limit(config),
+            threshold=limit,
             progress=progress,
         )
+
+    with watch.step("distance"):
+        minima = search(_search_limit(config))
     with watch.step("prune"):
         candidates, rows, columns = _candidates(axis, minima, window, config)
         threshold = _threshold(candidates, minima.largest, config)
         count = int(np.searchsorted(candidates.distances, threshold, side="left"))
         component = largest_component(candidates, count)
-        if not component.kept.any():
-            useful = smallest_useful_threshold(candidates)
-            raise GraphError(
-                f"got an empty graph at threshold {threshold:.4f} m, expected at least"
-                + (" other clips" if useful is None else f" {useful:.4f} m")
-            )
+        if not component.frames:
+            beyond = _candidates(axis, search(float("inf")), window, config)[0]
+            raise _nothing_left(beyond, threshold, minima.largest, config)
     with watch.step("transitions"):
         chains = None
         if config.clean_feet:
@@ -166,7 +167,7 @@ def _validate(config: GraphConfig) -> None:
         "frame_rate": 1 <= config.frame_rate <= 1000,
         "window_s": 0 < config.window_s <= 10,
         "neighbourhood": 1 <= config.neighbourhood <= 50,
-        "self_gap_s": config.self_gap_s >= 0,
+        "self_gap_s": 0 <= config.self_gap_s < np.inf,
         "threshold_m": config.threshold_m is None or 0 < config.threshold_m < np.inf,
         "normalised": config.normalised is None or 0 < config.normalised <= 1,
         "keep": 0 <= config.keep <= 1,
@@ -251,6 +252,24 @@ def _search_limit(config: GraphConfig) -> float:
     if config.normalised is not None:
         return float("inf")
     return config.threshold_m if config.threshold_m is not None else config.max_threshold_m
+
+
+def _nothing_left(
+    candidates: Candidates, threshold: float, largest: float, config: GraphConfig
+) -> GraphError:
+    """Says which threshold would leave something; ``candidates`` are those at any distance."""
+
+    def rounded_up(value: float) -> str:  # what is named as enough must be enough
+        return f"{np.ceil(value * 1e5 + 1e-3) / 1e5:.5f}"
+
+    useful = smallest_useful_threshold(candidates)
+    if useful is None:
+        expected = "other clips: at no threshold do these lead back to where they begin"
+    else:
+        expected = f"at least {rounded_up(useful)} m"
+        if config.normalised is not None:
+            expected += f" (normalised {rounded_up(useful / largest)})"
+    return GraphError(f"got an empty graph at threshold {threshold:.6g} m, expected {expected}")
 
 
 def _candidates(

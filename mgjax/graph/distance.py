@@ -59,19 +59,22 @@ def window_features(
     level: float,
     window: int,
 ) -> WindowFeatures:
-    """Prepares one motion for comparison; R = F − W + 1 window starts. Host code, float64 inside.
+    """Prepares one motion for comparison; R = F − W + 1 window starts. Host code.
 
     ``level`` is a height near that of the bodies, the same for both motions that are compared:
     products of full heights would lose digits. Weights sum to 1.
     """
-    p = np.asarray(positions, dtype=np.float64)
-    w = np.asarray(weights, dtype=np.float64)
-    centre = np.einsum("fjc,j->fc", p[..., ::2], w)
-    x, z = ((p[..., c] - centre[:, c // 2, None]) * np.sqrt(w) for c in (0, 2))
-    y = (p[..., 1] - level) * np.sqrt(w)
+    middle = positions.mean(axis=(0, 1), dtype=np.float64) * [1, 0, 1] + [0, level, 0]
+    p = np.moveaxis(positions - middle.astype(np.float32), -1, 0)
+    w = np.asarray(weights, dtype=np.float32)
+    root = np.sqrt(w)
+    x, y, z = np.ascontiguousarray(p)
+    centre = np.stack([x @ w, z @ w], axis=1)
+    x, z = (x - centre[:, :1]) * root, (z - centre[:, 1:]) * root
+    y = y * root
     windows = np.lib.stride_tricks.sliding_window_view(centre, window, axis=0)  # [R, 2, W]
-    coefficients = windows @ (_window_basis(window) / np.sqrt(window))
-    frame = np.sum(x * x + y * y + z * z, axis=1)
+    coefficients = windows @ (_window_basis(window) / np.sqrt(window)).astype(np.float32)
+    frame = np.sum(x * x + y * y + z * z, axis=1, dtype=np.float64)
     spread = np.lib.stride_tricks.sliding_window_view(frame, window).mean(axis=1)
     spread = spread + np.sum(coefficients**2, axis=(1, 2))
     px, pz = coefficients[:, 0], coefficients[:, 1]
@@ -87,9 +90,9 @@ def window_features(
 
 
 def _window_basis(window: int) -> np.ndarray:
-    """[W, W − 1] orthonormal cosines without the constant, slow ones first."""
-    k, i = np.meshgrid(np.arange(1, window), np.arange(window))
-    return np.cos(np.pi * (i + 0.5) * k / window) * np.sqrt(2 / window)
+    """[W, W − 1] orthonormal polynomials without the constant, lowest degree first."""
+    x = np.linspace(-1, 1, window) if window > 1 else np.zeros(1)
+    return np.linalg.qr(np.polynomial.legendre.legvander(x, window - 1))[0][:, 1:]
 
 
 def trim_paths(a: WindowFeatures, b: WindowFeatures) -> tuple[WindowFeatures, WindowFeatures]:

@@ -7,6 +7,7 @@ and the automatic threshold asks for a few hundred of them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -15,8 +16,8 @@ from scipy.sparse.csgraph import connected_components
 
 from mgjax.core.errors import GraphError
 
-STEP_M = 0.001
-"""The automatic threshold is looked for in steps of this, and then exactly within the step."""
+SAMPLES = 200
+"""Thresholds that are tried to say what can be reached where the automatic threshold fails."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,12 +49,14 @@ class Component:
         kept: which of them have both ends in the component. [count]
         labels: which labels lie in it. [P]
         frames: frames of clips in it.
+        most_labels: labels in whichever component has most of them.
     """
 
     count: int
     kept: Bool[np.ndarray, " M"]
     labels: Bool[np.ndarray, " P"]
     frames: int
+    most_labels: int
 
 
 def largest_component(candidates: Candidates, count: int) -> Component:
@@ -91,12 +94,14 @@ def largest_component(candidates: Candidates, count: int) -> Component:
     label_clip = np.searchsorted(c.starts, c.label_starts, side="right") - 1
     before = np.searchsorted(nodes, c.label_starts + label_clip, side="right") - 1
     after = np.searchsorted(nodes, c.label_stops + label_clip, side="left")
-    labels = (part[before] == best) & (part[np.minimum(after, len(nodes) - 1)] == best)
+    home, end = part[before], part[np.minimum(after, len(nodes) - 1)]
+    held = np.bincount(home[(home == end) & (before < after)], minlength=1)
     return Component(
         count=count,
         kept=kept,
-        labels=labels,
+        labels=(home == best) & (end == best),
         frames=int(weight[best]),
+        most_labels=int(held.max()),
     )
 
 
@@ -108,38 +113,55 @@ def _clip_of_arrival(c: Candidates, arrive: np.ndarray) -> np.ndarray:
 def choose_threshold(candidates: Candidates, keep: float, max_threshold: float) -> float:
     """The smallest threshold at which ``keep`` of the labels stay; without labels, of the frames.
 
+    With a higher threshold components only grow, but the largest may become another one, with fewer
+    labels. So bisection alone would not do: it is used only where nothing can change in between.
+
     Raises:
         GraphError: ``max_threshold`` does not do; names the best share that can be reached.
     """
     c = candidates
+    total = len(c.label_starts) or max(int((c.stops - c.starts).sum()), 1)
+    thresholds = np.nextafter(np.unique(c.distances), np.inf)
+    thresholds = thresholds[thresholds <= max_threshold]
 
-    def share(threshold: float) -> float:
-        count = int(np.searchsorted(c.distances, threshold, side="left"))
-        component = largest_component(c, count)
+    @cache
+    def component(i: int) -> Component:
+        return largest_component(c, int(np.searchsorted(c.distances, thresholds[i], side="left")))
+
+    def value(i: int) -> int:
+        return int(component(i).labels.sum()) if len(c.label_starts) else component(i).frames
+
+    def enough(count: int) -> bool:
+        return count >= keep * total - 1e-9 and count > 0
+
+    def first_enough(low: int, high: int) -> int | None:
+        """The first that is enough after ``low``, which is not, and up to ``high``."""
         if len(c.label_starts):
-            return float(component.labels.mean())
-        return component.frames / max(int((c.stops - c.starts).sum()), 1)
+            possible = enough(component(high).most_labels)
+            changes = low < 0 or component(low).frames < component(high).frames
+        else:
+            possible = changes = enough(value(high))
+        if not possible or not (changes or enough(value(high))):
+            return None
+        if high - low == 1:
+            return high if enough(value(high)) else None
+        middle = (low + high) // 2
+        if middle >= 0 and enough(value(middle)):
+            return first_enough(low, middle)
+        found = first_enough(low, middle)
+        return first_enough(middle, high) if found is None else found
 
-    def enough(value: float) -> bool:
-        return value >= keep - 1e-9 and value > 0
-
-    steps = np.arange(1, round(max_threshold / STEP_M) + 1) * STEP_M
-    best = (0.0, 0.0)
-    below = 0.0
-    for threshold in steps:
-        value = share(float(threshold))
-        if value > best[0]:
-            best = (value, float(threshold))
-        if enough(value):
-            inside = c.distances[(c.distances >= below) & (c.distances < threshold)]
-            for exact in np.nextafter(inside, np.inf):
-                if enough(share(float(exact))):
-                    return float(exact)
-            return float(threshold)
-        below = float(threshold)
-    what = f"{len(c.label_starts)} labels" if len(c.label_starts) else "the motion"
+    last = len(thresholds) - 1
+    found = first_enough(-1, last) if last >= 0 else None
+    if found is not None:
+        return float(thresholds[found])
+    tried = np.unique(np.linspace(0, last, min(last + 1, SAMPLES)).round().astype(int))
+    best = max(tried.tolist(), key=value, default=None)
+    reached = "none" if best is None else f"{value(best)}"
+    at = "" if best is None else f" (at {thresholds[best]:.4f} m)"
+    what = "labels" if len(c.label_starts) else "frames"
     raise GraphError(
-        f"got {best[0]:.0%} of {what} kept at most (at {best[1]:.3f} m) with thresholds up to"
+        f"got {reached} of {total} {what} kept at most{at} with thresholds up to"
         f" {max_threshold:g} m, expected {keep:.0%}; lower keep, raise max_threshold_m or add clips"
     )
 

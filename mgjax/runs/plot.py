@@ -254,8 +254,8 @@ def _top_view(axes: Axes, scene: _Scene) -> None:
     way = flat(scene.side)
     axes.annotate(
         "",
-        middle - 0.5 * way,
-        middle - 1.3 * way,
+        tuple(middle - 0.5 * way),
+        tuple(middle - 1.3 * way),
         arrowprops={"arrowstyle": "-|>", "color": BALL, "linewidth": 2},
     )
     for time, colour, _ in _moments(scene):
