@@ -180,7 +180,7 @@ def _side_view(axes: Axes, scene: _Scene) -> None:
         if place[0] > -2.4:
             axes.annotate(
                 f"{time:.1f} s",
-                place,
+                (place[0], place[1]),
                 (0, 12),
                 textcoords="offset points",
                 fontsize=7,
