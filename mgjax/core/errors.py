@@ -13,6 +13,11 @@ class MgjaxError(ValueError):
     """Base of all errors that bad input can cause."""
 
 
+def printable(path: str | Path) -> str:
+    """A path as it is, but on one line: control characters are escaped."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(path))
+
+
 class FileFormatError(MgjaxError):
     """A file that cannot be read as what it claims to be.
 
@@ -28,7 +33,7 @@ class FileFormatError(MgjaxError):
         self.line = line
         self.got = got
         self.expected = expected
-        place = f"{path}:{line}" if line is not None else f"{path}"
+        place = printable(path) if line is None else f"{printable(path)}:{line}"
         super().__init__(f"{place}: got {got}, expected {expected}")
 
 

@@ -19,8 +19,18 @@ from mgjax.core import quaternion
 from mgjax.core.arrays import Array
 from mgjax.core.errors import FileFormatError
 from mgjax.core.motion import Motion
-from mgjax.core.skeleton import MAX_OFFSET_M, Skeleton
-from mgjax.io.text import parse_number, quoted, read_text
+from mgjax.core.skeleton import MAX_DEPTH, MAX_OFFSET_M, Skeleton
+from mgjax.io.text import (
+    MAX_PLACE_M,
+    check_size,
+    is_count,
+    is_plain,
+    parse_number,
+    quoted,
+    read_text,
+    reason,
+    split_lines,
+)
 from mgjax.io.units import Unit
 
 DEFAULT_FRAME_RATE = 120.0
@@ -57,9 +67,13 @@ def find_asf(amc: str | Path) -> Path:
     amc = Path(amc)
     folder = amc.parent
     named = folder / f"{amc.stem.split('_')[0]}.asf"
-    if named.is_file():
-        return named
-    found = sorted(p for p in folder.glob("*") if p.suffix.lower() == ".asf")
+    try:
+        if named.is_file():
+            return named
+        amc.stat()
+        found = sorted(p for p in folder.iterdir() if p.suffix.lower() == ".asf")
+    except (OSError, ValueError) as error:
+        raise FileFormatError(amc, None, reason(error), "a readable AMC file") from None
     if len(found) != 1:
         names = ", ".join(p.name for p in found) or "none"
         raise FileFormatError(
@@ -96,7 +110,7 @@ def read_asf(path: str | Path) -> AsfFile:
 
 
 def _lines(path: str | Path, text: str) -> list[Line]:
-    found = [(no, s.split("#", 1)[0].split()) for no, s in enumerate(text.splitlines(), 1)]
+    found = [(no, s.split("#", 1)[0].split()) for no, s in enumerate(split_lines(text), 1)]
     found = [(no, words) for no, words in found if words]
     if not found:
         raise FileFormatError(path, None, "nothing but comments", "an ASF or AMC file")
@@ -123,8 +137,9 @@ def _read_units(path: str | Path, body: list[Line], units: dict) -> None:
             units["length"] = parse_number(
                 path, no, _word(path, no, words, 1), "the unit of length"
             )
-            if units["length"] <= 0:
-                raise FileFormatError(path, no, words[1], "a unit of length above 0")
+            if not 1e-4 <= units["length"] <= 1e4:
+                got = f"a unit of length of {quoted(words[1])}"
+                raise FileFormatError(path, no, got, "0.0001 … 10000")
         elif key == "angle":
             units["angle"] = _word(path, no, words, 1).lower()
             if units["angle"] not in ("deg", "rad"):
@@ -141,6 +156,8 @@ def _read_root(path: str | Path, body: list[Line], root: _Bone) -> None:
             root.axis_order = _axis_order(path, no, _word(path, no, words, 1))
         elif key == "position":
             root.direction = np.array(_numbers(path, no, words, 3))
+            if np.abs(root.direction).max() > MAX_PLACE_M:
+                raise FileFormatError(path, no, "a root far away", f"at most {MAX_PLACE_M:g}")
         elif key == "orientation":
             root.axis = np.array(_numbers(path, no, words, 3))
 
@@ -175,6 +192,10 @@ def _read_bones(path: str | Path, body: list[Line]) -> dict[str, _Bone]:
         elif key == "dof":
             bone.dof = [w.lower() for w in words[1:]]
             _check_dof(path, no, bone.dof)
+            if any(name[0] == "t" for name in bone.dof):
+                raise FileFormatError(
+                    path, no, "a bone that moves away from its parent", "rx ry rz"
+                )
         # Limits, masses and ids are not needed to read a motion; limits run over several lines.
     if bone is not None:
         raise FileFormatError(path, body[-1][0], "a bone without end", "end")
@@ -211,6 +232,7 @@ def _assemble(
     path: Path, root: _Bone, bones: dict[str, _Bone], tree: list[Line], unit: Unit, angle: str
 ) -> AsfFile:
     order, parents = _order_bones(path, bones, tree)
+    _check_depth(path, bones, order, parents)
     names = [_ROOT, *order]
     index = {name: i for i, name in enumerate(names)}
     offsets = [np.zeros(3)]
@@ -221,7 +243,7 @@ def _assemble(
     with_children = set(parents.values())
     ends = [name for name in order if name not in with_children]
     skeleton = Skeleton(
-        names=(*names, *(f"{name}_end" for name in ends)),
+        names=(*names, *_end_names(ends, set(names))),
         parents=(-1, *(index[parents[n]] for n in order), *(index[n] for n in ends)),
         offsets=np.array(offsets + [_reach(path, bones[n], unit) for n in ends], np.float32),
         end_joints=tuple(range(len(names), len(names) + len(ends))),
@@ -240,16 +262,39 @@ def _assemble(
 
 def _reach(path: Path, bone: _Bone, unit: Unit) -> np.ndarray:
     """From a bone's beginning to its end, m; the direction need not be a unit vector."""
-    norm = np.linalg.norm(bone.direction)
-    reach = bone.direction / (norm if norm > 1e-9 else 1.0) * bone.length * unit.metres
-    if np.abs(reach).max() > MAX_OFFSET_M:
+    length = bone.length * unit.metres
+    if abs(length) > MAX_OFFSET_M:
         raise FileFormatError(
-            path,
-            bone.line,
-            f"a bone of {bone.length * unit.metres:.3g} m",
-            f"at most {MAX_OFFSET_M:g} m",
+            path, bone.line, f"a bone of {length:.3g} m", f"at most {MAX_OFFSET_M:g} m"
         )
-    return reach
+    largest = float(np.abs(bone.direction).max())
+    if largest < 1e-9:
+        return np.zeros(3)
+    direction = bone.direction / largest
+    return direction / np.linalg.norm(direction) * length
+
+
+def _check_depth(
+    path: Path, bones: dict[str, _Bone], order: list[str], parents: dict[str, str]
+) -> None:
+    depth = {_ROOT: 1}
+    for name in order:
+        depth[name] = depth[parents[name]] + 1
+        if depth[name] >= MAX_DEPTH:
+            got = f"bones nested {MAX_DEPTH} deep"
+            raise FileFormatError(path, bones[name].line, got, "a skeleton")
+
+
+def _end_names(bones: list[str], taken: set[str]) -> list[str]:
+    """``<bone>_end`` for each, with more underscores where a bone has that name already."""
+    found: list[str] = []
+    for bone in bones:
+        name = f"{bone}_end"
+        while name in taken:
+            name += "_"
+        taken.add(name)
+        found.append(name)
+    return found
 
 
 def _turn(angles: np.ndarray, order: str) -> Array:
@@ -297,9 +342,10 @@ def read_amc(path: str | Path, asf: AsfFile, *, frame_rate: float | None = None)
         asf: its skeleton.
         frame_rate: frames per second; AMC files state none, 120 is usual.
     """
-    columns, values, degrees = _read_frames(path, read_text(path, "AMC"), asf)
+    columns, values, degrees = _read_frames(path, read_text(path, "AMC").rstrip(), asf)
     scale = np.pi / 180 if degrees else 1.0
     skeleton = asf.skeleton
+    check_size(path, len(values), skeleton.num_joints)
     rotations = np.zeros((len(values), skeleton.num_joints, 4))
     rotations[..., 0] = 1
     root = np.tile(asf.root_position, (len(values), 1))
@@ -318,6 +364,10 @@ def read_amc(path: str | Path, asf: AsfFile, *, frame_rate: float | None = None)
         )
         for i, name in enumerate(dof):
             if name[0] == "t" and bone == _ROOT:
+                far = np.abs(block[:, i]) > MAX_PLACE_M / asf.unit.metres
+                if far.any():
+                    got = f"root {name} {block[np.argmax(far), i]:.3g} in frame {np.argmax(far)}"
+                    raise FileFormatError(path, None, got, f"at most {MAX_PLACE_M:g} m")
                 root[:, "xyz".index(name[1])] += block[:, i] * asf.unit.metres
     return Motion(
         root_translation=root.astype(np.float32),
@@ -342,7 +392,8 @@ def _read_frames(
     place = dict(columns)
     missing = 0
     blank = [""] * width
-    for no, line in enumerate(text.splitlines(), 1):
+    lines = split_lines(text)
+    for no, line in enumerate(lines, 1):
         words = line.split("#", 1)[0].split()
         if not words:
             continue
@@ -350,14 +401,14 @@ def _read_frames(
         if size is not None and frames:
             if len(words) != size + 1:
                 raise FileFormatError(
-                    path, no, f"{len(words) - 1} values", f"{size} for {words[0]!r}"
+                    path, no, f"{len(words) - 1} values", f"{size} for {quoted(words[0])}"
                 )
             first = place[words[0]]
             if row[first] != "":
                 raise FileFormatError(path, no, f"{quoted(words[0])} a second time", "once a frame")
             row[first : first + size] = words[1:]
             missing -= 1
-        elif len(words) == 1 and words[0].isdigit():
+        elif len(words) == 1 and is_count(words[0]):
             _check_complete(path, no, row, columns, missing)
             if starts and int(words[0]) != starts[-1] + 1:
                 raise FileFormatError(path, no, f"frame {words[0]}", f"frame {starts[-1] + 1}")
@@ -371,7 +422,7 @@ def _read_frames(
             raise FileFormatError(path, no, quoted(words[0]), expected)
     if not frames:
         raise FileFormatError(path, None, "no frame", "an AMC file with at least one")
-    _check_complete(path, text.count("\n") + 1, row, columns, missing)
+    _check_complete(path, len(lines), row, columns, missing)
     return columns, _to_numbers(path, text, frames), degrees
 
 
@@ -380,19 +431,21 @@ def _check_complete(
 ) -> None:
     if missing:
         bone = next(bone for bone, first in columns.items() if row[first] == "")
-        raise FileFormatError(path, no, f"a frame without {bone!r}", "all bones in every frame")
+        raise FileFormatError(
+            path, no, f"a frame without {quoted(bone)}", "all bones in every frame"
+        )
 
 
 def _to_numbers(path: str | Path, text: str, frames: list[list[str]]) -> np.ndarray:
     try:
         values = np.array(frames, dtype=np.float64)
-        if np.isfinite(values).all():
+        if np.isfinite(values).all() and all(is_plain("".join(row)) for row in frames):
             return values
     except ValueError:
         pass
-    for no, line in enumerate(text.splitlines(), 1):
+    for no, line in enumerate(split_lines(text), 1):
         words = line.split("#", 1)[0].split()
         if len(words) > 1 and not words[0].startswith(":"):
             for word in words[1:]:
-                parse_number(path, no, word, f"a channel of {words[0]}")
+                parse_number(path, no, word, f"a channel of {quoted(words[0])}")
     raise FileFormatError(path, None, "a value that is no number", "numbers")

@@ -18,15 +18,24 @@ from pathlib import Path
 import numpy as np
 
 from mgjax.core import quaternion
-from mgjax.core.errors import FileFormatError, MotionError
+from mgjax.core.errors import FileFormatError, MotionError, SkeletonError
 from mgjax.core.motion import Motion, validate_motion
-from mgjax.core.skeleton import MAX_OFFSET_M, Skeleton
+from mgjax.core.skeleton import MAX_DEPTH, MAX_OFFSET_M, Skeleton, validate_skeleton
 from mgjax.io.output import replace_file
-from mgjax.io.text import parse_number, quoted, read_text
-from mgjax.io.units import Unit, find_unit
+from mgjax.io.text import (
+    MAX_PLACE_M,
+    check_size,
+    is_count,
+    is_plain,
+    parse_number,
+    quoted,
+    read_text,
+    split_lines,
+)
+from mgjax.io.units import UNITS, Unit, find_unit
 
 _CHANNEL = re.compile(r"([xyz])(position|rotation)", re.IGNORECASE)
-_MAX_DEPTH = 256
+_COMMON_RATES = (24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
 
 
 @dataclass(kw_only=True)
@@ -56,35 +65,51 @@ def read_bvh(
     Raises:
         FileFormatError: names file and line, what stands there and what was expected.
     """
-    lines = read_text(path, "BVH").splitlines()
+    lines = split_lines(read_text(path, "BVH").rstrip())
     start = next((i for i, s in enumerate(lines) if s.strip().upper() == "MOTION"), None)
     joints = _read_hierarchy(path, lines[: len(lines) if start is None else start])
     if start is None:
         raise FileFormatError(path, len(lines), "the end of the file", "MOTION")
     count, period, first = _read_motion_header(path, lines, start)
     channels = sum(len(j.channels) for j in joints)
+    if not channels:
+        raise FileFormatError(path, start + 1, "a hierarchy without channels", "CHANNELS")
     values = _read_rows(path, lines, first, count, channels)
+    check_size(path, count, len(joints))
 
     offsets = np.array([j.offset for j in joints], dtype=np.float64)
+    smallest = min(UNITS.values(), key=lambda u: u.metres)
+    _check_offsets(path, joints, offsets, UNITS.get(units or "", smallest))
     unit = find_unit(offsets, tuple(j.parent for j in joints), units)
-    too_long = np.flatnonzero(np.abs(offsets * unit.metres).max(axis=1) > MAX_OFFSET_M)
+    _check_offsets(path, joints, offsets, unit)
+    positions = np.array([kind == "position" for j in joints for _, kind in j.channels])
+    far = (np.abs(values) > MAX_PLACE_M / unit.metres) & positions
+    if far.any():
+        frame = int(np.argmax(far.any(axis=1)))
+        got = f"a position of {values[frame, int(np.argmax(far[frame]))]:.3g} in frame {frame}"
+        raise FileFormatError(path, None, got, f"at most {MAX_PLACE_M:g} m (unit: {unit.name})")
+    skeleton, motion = _assemble(joints, offsets * unit.metres, values, unit.metres)
+    _check_offsets(path, joints, np.asarray(skeleton.offsets, np.float64), UNITS["m"])
+    rate = frame_rate if frame_rate is not None else _stated_rate(period)
+    return skeleton, Motion(**motion, frame_rate=float(rate)), unit
+
+
+def _check_offsets(path: str | Path, joints: list[_Joint], offsets: np.ndarray, unit: Unit) -> None:
+    too_long = np.flatnonzero(np.abs(offsets).max(axis=1) > MAX_OFFSET_M / unit.metres)
     if too_long.size:
         joint = joints[int(too_long[0])]
+        length = float(np.abs(offsets[too_long[0]]).max()) * unit.metres
         raise FileFormatError(
             path,
             joint.offset_line,
-            f"an offset of {np.abs(offsets[too_long[0]]).max() * unit.metres:.3g} m"
-            f" for {joint.name!r}",
+            f"an offset of {length:.3g} m for {quoted(joint.name)}",
             f"at most {MAX_OFFSET_M:g} m (the unit was taken to be the {unit.name})",
         )
-    skeleton, motion = _assemble(joints, offsets * unit.metres, values, unit.metres)
-    rate = frame_rate if frame_rate is not None else _stated_rate(period)
-    return skeleton, Motion(**motion, frame_rate=rate), unit
 
 
 def _read_hierarchy(path: str | Path, lines: list[str]) -> list[_Joint]:
     tokens = [(no, t) for no, line in enumerate(lines, 1) for t in _split_braces(line)]
-    end = (len(lines), "the end of the hierarchy")
+    end = (max(len(lines), 1), "the end of the hierarchy")
     at = 0
 
     def take(expected: str) -> tuple[int, str]:
@@ -117,16 +142,17 @@ def _read_hierarchy(path: str | Path, lines: list[str]) -> list[_Joint]:
             while (item := take("{"))[1] != "{":
                 label.append(item[1])
             name, is_end = " ".join(label), word == "END"
-            if is_end:
-                name = _end_name(joints[stack[-1]].name, names)
-            if not name:
+            if not name and not is_end:
                 raise FileFormatError(path, line, "no name", f"{word} and a name")
-            if name in names:
+            if not is_end and name in names:
                 got = f"a second joint called {quoted(name)} (the first is in line {names[name]})"
                 raise FileFormatError(path, line, got, "unique joint names")
-            if len(stack) >= _MAX_DEPTH:
-                raise FileFormatError(path, line, f"joints nested {_MAX_DEPTH} deep", "a skeleton")
-            names[name] = line
+            if len(stack) >= MAX_DEPTH:
+                raise FileFormatError(path, line, f"joints nested {MAX_DEPTH} deep", "a skeleton")
+            if stack and joints[stack[-1]].is_end:
+                raise FileFormatError(path, line, f"{token} in an End Site", "OFFSET or }")
+            if not is_end:
+                names[name] = line
             parent = stack[-1] if stack else -1
             joints.append(_Joint(name=name, parent=parent, line=line, is_end=is_end))
             stack.append(len(joints) - 1)
@@ -135,12 +161,15 @@ def _read_hierarchy(path: str | Path, lines: list[str]) -> list[_Joint]:
             joints[stack[-1]].offset, joints[stack[-1]].offset_line = tuple(numbers), line
         elif word == "CHANNELS" and stack:
             joints[stack[-1]].channels = _read_channels(path, take)
+            if joints[stack[-1]].is_end and joints[stack[-1]].channels:
+                raise FileFormatError(path, line, "channels of an End Site", "OFFSET or }")
         elif token == "}" and stack:
             joint = joints[stack.pop()]
             if joint.offset is None:
                 raise FileFormatError(path, line, f"no OFFSET for {quoted(joint.name)}", "OFFSET")
         else:
             raise FileFormatError(path, line, quoted(token), expected)
+    _name_ends(joints, names)
     return joints
 
 
@@ -148,16 +177,22 @@ def _split_braces(line: str) -> list[str]:
     return line.replace("{", " { ").replace("}", " } ").split()
 
 
-def _end_name(parent: str, taken: dict[str, int]) -> str:
-    name, number = f"{parent}_end", 2
-    while name in taken:
-        name, number = f"{parent}_end{number}", number + 1
-    return name
+def _name_ends(joints: list[_Joint], taken: dict[str, int]) -> None:
+    """Calls end sites ``<parent>_end``, ``<parent>_end2`` …, but for names that joints have."""
+    numbers: dict[str, int] = {}
+    for joint in joints:
+        if joint.is_end:
+            parent = joints[joint.parent].name
+            name = ""
+            while not name or name in taken:
+                number = numbers[parent] = numbers.get(parent, 0) + 1
+                name = f"{parent}_end{number if number > 1 else ''}"
+            taken[name], joint.name = joint.line, name
 
 
 def _read_channels(path: str | Path, take) -> list[tuple[str, str]]:
     line, token = take("a number of channels")
-    if not token.isdigit() or int(token) > 6:
+    if not is_count(token) or int(token) > 6:
         raise FileFormatError(path, line, quoted(token), "0 … 6 channels")
     found: list[tuple[str, str]] = []
     for _ in range(int(token)):
@@ -189,11 +224,12 @@ def _read_motion_header(
         found.append((at + 1, match[1].strip()))
         at += 1
     (count_line, count), (time_line, time) = found
-    if not count.isdigit() or int(count) < 1:
+    if not is_count(count) or int(count) < 1:
         raise FileFormatError(path, count_line, quoted(count), "a number of frames, 1 or more")
     period = parse_number(path, time_line, time, "the frame time")
     if not 1e-4 <= period <= 10:
-        raise FileFormatError(path, time_line, f"a frame time of {time}", "0.0001 … 10 seconds")
+        got = f"a frame time of {quoted(time)}"
+        raise FileFormatError(path, time_line, got, "0.0001 … 10 seconds")
     return int(count), (period, time), at
 
 
@@ -201,7 +237,8 @@ def _read_rows(
     path: str | Path, lines: list[str], first: int, frames: int, channels: int
 ) -> np.ndarray:
     """[frames, channels]; rows may be wrapped, but the numbers must come out even."""
-    tokens = " ".join(lines[first:]).split()
+    text = " ".join(lines[first:])
+    tokens = text.split()
     if len(tokens) != frames * channels:
         got, rest = divmod(len(tokens), max(channels, 1))
         for number, line in enumerate(lines[first:], first + 1):
@@ -213,9 +250,10 @@ def _read_rows(
             f"{got} rows and {rest} values",
             f"the {frames} rows of {channels} stated",
         )
+    finite = is_plain(text)
     try:
         values = np.array(tokens, dtype=np.float64)
-        finite = bool(np.isfinite(values).all())
+        finite = finite and bool(np.isfinite(values).all())
     except ValueError:
         finite = False
     if not finite:
@@ -226,12 +264,21 @@ def _read_rows(
 
 
 def _stated_rate(period: tuple[float, str]) -> float:
-    """Frames per second; a whole rate where the printed frame time is that rate's, rounded."""
+    """Frames per second: a whole rate where the printed frame time is that rate's, rounded.
+
+    ``.0083333`` is 120, ``0.0417`` is 24, ``0.03`` is 30 (of several rates that print alike, a
+    common one), ``0.01`` is exactly 100, ``0.0334`` is no rounded whole rate: 29.94.
+    """
     seconds, text = period
-    decimals = len(text.lower().split("e")[0].partition(".")[2])
-    whole = round(1 / seconds)
-    if whole and abs(1 / whole - seconds) <= 0.5 * 10.0**-decimals + 1e-12:
+    mantissa, _, exponent = text.lower().partition("e")
+    decimals = len(mantissa.partition(".")[2]) - int(exponent or 0)
+    whole = max(round(1 / seconds), 1)
+    if abs(1 / whole - seconds) <= 1e-9 * seconds:
         return float(whole)
+    likely = min(_COMMON_RATES, key=lambda rate: abs(1 / rate - seconds))
+    for rate in (likely, whole):
+        if abs(1 / rate - seconds) <= 0.5 * 10.0**-decimals + 1e-12:
+            return float(rate)
     return 1 / seconds
 
 
@@ -255,12 +302,14 @@ def _assemble(
                 moving[:, index, "XYZ".index(axis)] = block[:, i] * metres
     root = moving[:, 0].copy()
     moving[:, 0] = offsets[0]
-    # Position channels that never change are just another way to write the offset.
-    rigid = bool((np.ptp(moving, axis=0) <= 1e-6).all()) if frames else True
+    # Position channels that never change are just another way to write the offset. Where they do
+    # change, the offset stays what the file says: the rest pose, not the place in frame 0.
+    still = (np.ptp(moving, axis=0) <= 1e-6).all(axis=1)
+    rigid = bool(still.all())
     skeleton = Skeleton(
         names=tuple(j.name for j in joints),
         parents=tuple(j.parent for j in joints),
-        offsets=moving[0].astype(np.float32),
+        offsets=np.where(still[:, None], moving[0], offsets).astype(np.float32),
         end_joints=tuple(i for i, j in enumerate(joints) if j.is_end),
     )
     motion = {
@@ -275,24 +324,32 @@ def save_bvh(path: str | Path, skeleton: Skeleton, motion: Motion) -> None:
     """Writes a BVH file in centimetres, rotation channels Z Y X; reading it back gives the motion.
 
     Raises:
+        SkeletonError: the skeleton is not valid, or has a name that BVH cannot hold.
         MotionError: the motion does not fit the skeleton or is not finite.
         OutputError: the file cannot be written.
     """
+    validate_skeleton(skeleton)
     validate_motion(skeleton, motion)
+    for name in skeleton.names:
+        if not name or name != " ".join(_split_braces(name)) or set(name) & set("{}"):
+            raise SkeletonError(f"joint name {quoted(name)}, expected one without braces or breaks")
+    offsets = np.asarray(skeleton.offsets, dtype=np.float64) * 100
     if motion.joint_offsets is not None and skeleton.end_joints:
-        ends = np.asarray(motion.joint_offsets)[:, list(skeleton.end_joints)]
-        if (np.ptp(ends, axis=0) > 1e-6).any():
+        ends = list(skeleton.end_joints)
+        places = np.asarray(motion.joint_offsets, dtype=np.float64)[:, ends]
+        if (np.ptp(places, axis=0) > 1e-6).any():
             raise MotionError("an end joint moves in its parent's frame; BVH cannot say so")
+        offsets[ends] = places[0] * 100
     lines = ["HIERARCHY"]
     columns: list[np.ndarray] = []
     children: dict[int, list[int]] = {}
     for joint, parent in enumerate(skeleton.parents):
         children.setdefault(parent, []).append(joint)
     degrees = np.rad2deg(quaternion.to_euler_zyx(np.asarray(motion.local_rotations, np.float64)))
-    offsets = np.asarray(skeleton.offsets, dtype=np.float64) * 100
+    end_joints = set(skeleton.end_joints)
 
     def write(joint: int, indent: str) -> None:
-        is_end = joint in skeleton.end_joints and joint not in children
+        is_end = joint in end_joints and joint not in children
         kind = "ROOT" if joint == 0 else "JOINT"
         lines.append(f"{indent}End Site" if is_end else f"{indent}{kind} {skeleton.names[joint]}")
         lines.append(f"{indent}{{")

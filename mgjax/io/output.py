@@ -9,20 +9,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from mgjax.core.errors import OutputError
+from mgjax.core.errors import OutputError, printable
+from mgjax.io.text import reason
 
 
 def replace_file(path: str | Path, data: str | bytes) -> None:
     """Writes a whole file or, on any failure, leaves what was there."""
     path = Path(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
+        temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
         try:
             temporary.write_bytes(data.encode() if isinstance(data, str) else data)
             os.replace(temporary, path)
         finally:
             temporary.unlink(missing_ok=True)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # ValueError: no name, a null byte
         raise _unwritable(path, error) from None
 
 
@@ -34,27 +35,40 @@ def output_folder(path: str | Path) -> Iterator[Path]:
     Files already in ``path`` under other names stay.
     """
     path = Path(path)
-    made = not path.exists()
     try:
+        made = [folder for folder in (path, *path.parents) if not folder.exists()]
         path.mkdir(parents=True, exist_ok=True)
         stage = Path(tempfile.mkdtemp(prefix=".part-", dir=path))
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise _unwritable(path, error) from None
     done = False
     try:
         yield stage
         try:
-            for item in sorted(stage.iterdir()):
+            items = sorted(stage.iterdir())
+            for item in items:  # before the first is put in its place
+                if (path / item.name).is_dir():
+                    raise IsADirectoryError(f"{item.name} is a folder")
+            for item in items:
                 os.replace(item, path / item.name)
         except OSError as error:
             raise _unwritable(path, error) from None
         done = True
     finally:
         shutil.rmtree(stage, ignore_errors=True)
-        if made and not done:
-            shutil.rmtree(path, ignore_errors=True)
+        if not done:
+            _remove_empty(made)
 
 
-def _unwritable(path: Path, error: OSError) -> OutputError:
-    reason = (error.strerror or str(error)).lower()
-    return OutputError(f"{path}: cannot be written ({reason}), expected a writable place")
+def _remove_empty(folders: list[Path]) -> None:
+    """Removes folders, the deepest first, as far as nobody else has put something there."""
+    for folder in folders:
+        try:
+            folder.rmdir()
+        except OSError:
+            return
+
+
+def _unwritable(path: Path, error: Exception) -> OutputError:
+    why = reason(error)
+    return OutputError(f"{printable(path)}: cannot be written ({why}), expected a writable place")
