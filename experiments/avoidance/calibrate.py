@@ -106,7 +106,9 @@ def main() -> None:
     top = edge_tables(graph, 30.0).top_speed
     result: dict[str, Any] = {
         "balls": len(balls),
-        "edge_top_speed_percentiles_5_25_50_75_95": np.percentile(top, [5, 25, 50, 75, 95]).tolist(),
+        "edge_top_speed_percentiles_5_25_50_75_95": np.percentile(
+            top, [5, 25, 50, 75, 95]
+        ).tolist(),
         "E_avoidance": {},
         "V_slow": [success(graph, balls, v) for v in V_SLOW],
     }
