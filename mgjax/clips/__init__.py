@@ -12,7 +12,7 @@ _HOMES = {
     "load_clips": "mgjax.clips.folder",
     "synthetic_clips": "mgjax.clips.synthetic",
 }
-__all__ = list(_HOMES)
+__all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 def __getattr__(name: str) -> Any:

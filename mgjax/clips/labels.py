@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -32,10 +33,14 @@ def load_labels(
     known = {(Path(clips_folder) / clip.name).resolve(): clip for clip in clips}
     found: dict[str, tuple[Label, ...]] = {}
     for name, intervals in document.items():
-        places = [(Path(base) / name).resolve() for base in (Path(path).parent, clips_folder)]
+        try:
+            places = [(Path(base) / name).resolve() for base in (Path(path).parent, clips_folder)]
+            there = any(p.is_file() for p in places)
+        except (OSError, ValueError):  # a name that no file can have
+            places, there = [], False
         clip = next((known[p] for p in places if p in known), None)
         if clip is None:
-            if any(p.is_file() for p in places):
+            if there:
                 continue  # the file is there but was left out of this graph
             raise LabelError(
                 path, _line_of(path, name), f"clip {name!r}, which is not there", "a clip"
@@ -43,7 +48,7 @@ def load_labels(
         if not isinstance(intervals, list):
             raise LabelError(path, _line_of(path, name), f"{name!r}: {intervals!r:.40}", "a list")
         labels = [_label(path, name, i, item) for i, item in enumerate(intervals)]
-        found[clip.name] = tuple(labels)
+        found[clip.name] = found.get(clip.name, ()) + tuple(labels)
     validate_labels(found, clips, source=path)
     return found
 
@@ -59,9 +64,12 @@ def validate_labels(labels: Labels, clips: list[Clip], *, source: str | Path = "
         before: Label | None = None
         for label in sorted(items, key=lambda x: x.start_s):
             text = f"{name!r}: interval {label.start_s:g} … {label.end_s:g} s"
-            start, stop = round(label.start_s * rate), round(label.end_s * rate)
+            limit = frames / rate
+            usable = all(abs(x) < 1e9 for x in (label.start_s, label.end_s))  # NaN is not
+            start, stop = (
+                (round(label.start_s * rate), round(label.end_s * rate)) if usable else (-1, -1)
+            )
             if start < 0 or stop > frames:
-                limit = frames / rate
                 raise LabelError(source, line, f"{text} outside the clip", f"0 … {limit:g} s")
             if stop <= start:
                 raise LabelError(
@@ -79,8 +87,16 @@ def validate_labels(labels: Labels, clips: list[Clip], *, source: str | Path = "
 
 def _parse(path: str | Path) -> dict[str, Any]:
     text = read_text(path, "labels")
+
+    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        for key, count in Counter(key for key, _ in pairs).items():
+            if count > 1:
+                raise LabelError(path, _line_of(path, key), f"{key!r:.80} twice", "it once")
+        return dict(pairs)
+
     try:
-        document = json.loads(text)
+        # As floats, numbers of any length can be read; one with too many digits is infinite.
+        document = json.loads(text, object_pairs_hook=unique, parse_int=float)
     except json.JSONDecodeError as error:
         raise LabelError(path, error.lineno, f"no JSON ({error.msg})", "a JSON object") from None
     except RecursionError:
@@ -101,11 +117,7 @@ def _label(path: str | Path, clip: str, index: int, item: Any) -> Label:
         raise fail(f"{item!r:.40}", "an object with start_s, end_s and kind")
     for key in ("start_s", "end_s"):
         value = item.get(key)
-        if (
-            isinstance(value, bool)
-            or not isinstance(value, int | float)
-            or not math.isfinite(value)
-        ):
+        if isinstance(value, bool) or not isinstance(value, float) or not math.isfinite(value):
             raise fail(f"{key} = {value!r:.40}", "a finite number of seconds")
     if not isinstance(item.get("kind"), str) or not item["kind"]:
         raise fail(f"kind = {item.get('kind')!r:.40}", "a word such as duck")

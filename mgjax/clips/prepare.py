@@ -10,7 +10,7 @@ from mgjax.clips.types import Clip, Label, Labels, mirrored_direction
 from mgjax.core.errors import MotionError, SkeletonError
 from mgjax.core.motion import Motion, cut, mirror, resample
 from mgjax.core.skeleton import Skeleton, find_role, first_difference, rest_positions
-from mgjax.io.oddities import jump_frames, starts_with_t_pose
+from mgjax.io.oddities import first_clean_frame, jump_frames
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +36,8 @@ def prepare_clips(
     """Puts clips on one skeleton and rate; returns them with notes on every change made.
 
     Local rotations are copied; the root's place is scaled by the ratio of the leg lengths, so that
-    feet stay on the floor. A T-pose in the first frame is cut off, a clip is split where it jumps.
+    feet stay on the floor. A T-pose in the first frame is cut off, with the frames that a converter
+    blended it into; a clip is split where it jumps, and loses a label that holds the jump.
 
     Raises:
         SkeletonError: a clip has another hierarchy; the first difference is named.
@@ -52,26 +53,20 @@ def prepare_clips(
             )
         if clip.motion.joint_offsets is not None:
             raise MotionError(f"{clip.name}: got bones of changing length, expected rigid bones")
+        lost = set(labels.get(clip.name, ()))
         for name, start, stop in _pieces(clip, notes):
             motion = resample(cut(clip.motion, start, stop), frame_rate)
             scale = _leg_length(skeleton) / _leg_length(clip.skeleton)
             motion = replace(motion, root_translation=motion.root_translation * np.float32(scale))
-            offset = start / clip.motion.frame_rate
-            kept: list[Label] = []
-            frames: list[tuple[int, int]] = []
-            for label in sorted(labels.get(clip.name, ()), key=lambda x: x.start_s):
-                first = round((label.start_s - offset) * frame_rate)
-                last = round((label.end_s - offset) * frame_rate)
-                if first >= 0 and last <= motion.num_frames and last > first:
-                    kept.append(label)
-                    frames.append((first, last))
+            kept, frames = _labels_of_piece(clip, labels, start, stop, motion)
+            lost -= set(kept)
             prepared.append(
-                PreparedClip(
-                    name=name,
-                    motion=motion,
-                    label_frames=np.array(frames, dtype=np.int64).reshape(-1, 2),
-                    labels=tuple(kept),
-                )
+                PreparedClip(name=name, motion=motion, label_frames=frames, labels=kept)
+            )
+        for label in sorted(lost, key=lambda x: x.start_s):
+            notes.append(
+                f"{clip.name}: label {label.start_s:g} … {label.end_s:g} s left out,"
+                f" there is a jump in it or no frame at {frame_rate:g} Hz"
             )
     if mirrored:
         prepared += [_mirror(skeleton, clip) for clip in prepared]
@@ -79,12 +74,36 @@ def prepare_clips(
     return prepared, notes
 
 
+def _labels_of_piece(
+    clip: Clip, labels: Labels, start: int, stop: int, motion: Motion
+) -> tuple[tuple[Label, ...], np.ndarray]:
+    """Labels that lie in captured frames ``start … stop − 1``, with their frames in ``motion``.
+
+    A label that begins in what was cut off at the beginning of the clip begins with the rest of it.
+    """
+    rate, offset = clip.motion.frame_rate, start / clip.motion.frame_rate
+    beginning = start <= first_clean_frame(clip.skeleton, clip.motion)
+    kept: list[Label] = []
+    frames: list[tuple[int, int]] = []
+    for label in sorted(labels.get(clip.name, ()), key=lambda x: x.start_s):
+        a, b = round(label.start_s * rate), round(label.end_s * rate)
+        if b > stop or (a < start and not beginning):
+            continue
+        first = max(round((label.start_s - offset) * motion.frame_rate), 0)
+        # Rounded up, a label that ends with the clip may end after the last frame.
+        last = min(round((label.end_s - offset) * motion.frame_rate), motion.num_frames)
+        if last > first:
+            kept.append(label)
+            frames.append((first, last))
+    return tuple(kept), np.array(frames, dtype=np.int64).reshape(-1, 2)
+
+
 def _pieces(clip: Clip, notes: list[str]) -> list[tuple[str, int, int]]:
     """Name, start and stop of the pieces between the jumps of a clip."""
-    first = 0
-    if starts_with_t_pose(clip.skeleton, clip.motion):
-        notes.append(f"{clip.name}: T-pose in the first frame cut off")
-        first = 1
+    first = first_clean_frame(clip.skeleton, clip.motion)
+    if first:
+        trace = f", with {first - 1} frames that have a trace of it" if first > 1 else ""
+        notes.append(f"{clip.name}: T-pose in the first frame cut off{trace}")
     jumps = [int(f) for f in jump_frames(clip.skeleton, clip.motion) if f > first]
     if not jumps:
         return [(clip.name, first, clip.motion.num_frames)]
