@@ -13,6 +13,8 @@ GRAVITY_M_S2 = 9.8
 BALL_RADIUS_M = 0.12
 BEYOND_M = 3.0
 """How far a ball is followed past the place it was aimed at."""
+MAX_SECONDS = 60.0
+"""An attack that lasts longer is no throw at a character, and its motion would be endless."""
 _KNOT_RATE = 240.0
 
 
@@ -65,10 +67,19 @@ def validate_attack(attack: Attack) -> None:
     for name in ("times", "centres", "radii"):
         if not np.isfinite(getattr(attack, name)).all():
             raise AttackError(f"got attack {name} that are not finite, expected numbers")
+    if not 0 <= attack.acceleration < np.inf:
+        raise AttackError(
+            f"got an acceleration of {attack.acceleration:g} m/s², expected 0 or more"
+        )
     if (np.diff(attack.times) <= 0).any():
         raise AttackError("got attack times that do not ascend, expected ascending times")
     if (attack.radii <= 0).any():
         raise AttackError(f"got a radius of {attack.radii.min():g} m, expected more than 0")
+    if attack.end > MAX_SECONDS:
+        raise AttackError(
+            f"got an attack that lasts until {attack.end:g} s from now, expected at most"
+            f" {MAX_SECONDS:g} s"
+        )
 
 
 def ball_attack(
@@ -83,12 +94,13 @@ def ball_attack(
     """A ball thrown from ``start`` that is at ``at`` in ``arrives`` seconds from now.
 
     It is launched at ``arrives`` less the time of flight; if that lies in the past it is already
-    under way. It is followed past ``at`` for 3 m, or until it meets the floor.
+    under way, and its knots begin now. It is followed past ``at`` for 3 m (at
+    most half a minute), or until it meets the floor.
 
     Args:
         start, at: m, in the planar frame of the character's start pose.
         speed: at launch, m/s.
-        arrives: s, more than 0.
+        arrives: s, more than 0; the flight has to be over within a minute.
         gravity: a ballistic throw, the flatter of the two that meet ``at``; else a straight line.
         radius: m.
 
@@ -113,14 +125,18 @@ def ball_attack(
     floor = _time_at_floor(a[1], velocity[1], pull[1])
     until = max(min(until, floor), flight)
     launch = arrives - flight
-    count = max(2, int(np.ceil(until * _KNOT_RATE)) + 1)
-    since = np.linspace(0.0, until, count)
+    if launch + until > MAX_SECONDS:
+        raise AttackError(
+            f"got a ball that is under way until {launch + until:.4g} s from now, expected at most"
+            f" {MAX_SECONDS:g} s"
+        )
+    known = max(0.0, -launch)  # what was before now does not matter
+    count = max(2, int(np.ceil((until - known) * _KNOT_RATE)) + 1)
+    since = np.linspace(known, until, count)
     centres = a + velocity * since[:, None] + 0.5 * pull * since[:, None] ** 2
-    ahead = since + launch >= 0
-    first = max(int(np.argmax(ahead)) - 1, 0)  # keep the knot before now
     return Attack(
-        times=since[first:] + launch,
-        centres=centres[first:, None, :],
+        times=since + launch,
+        centres=centres[:, None, :],
         radii=np.array([radius]),
         acceleration=GRAVITY_M_S2 if gravity else 0.0,
     )
@@ -138,9 +154,10 @@ def _launch(a: np.ndarray, b: np.ndarray, speed: float, gravity: bool) -> tuple[
     root = qb * qb - 4 * qa * qc
     if qb >= 0 or root < 0:
         least = np.sqrt(max(np.sqrt(4 * qa * qc) - way @ g, 0.0))
+        least = np.ceil(1000 * least + 1) / 1000  # rounded up: this speed does reach it
         raise AttackError(
             f"got a speed of {speed:g} m/s, which cannot reach the target under gravity, expected"
-            f" at least {least:.3g} m/s"
+            f" at least {least:.3f} m/s"
         )
     flight = float(np.sqrt(2 * qc / (-qb + np.sqrt(root))))
     return way / flight - 0.5 * g * flight, flight

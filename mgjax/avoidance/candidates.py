@@ -13,7 +13,7 @@ from mgjax.graph.types import MotionGraph
 NO_EDGE = -1
 """Pads the walks of candidates."""
 
-MAX_WALKS = 400_000
+MAX_WALKS = 200_000
 """Most unfinished walks of one round; beyond, the search says that it overflowed."""
 
 
@@ -25,7 +25,8 @@ class Candidates:
         edges: padded with ``NO_EDGE``. [C, L]
         length: edges of each walk; the last one holds the part. [C]
         part: the part. [C]
-        overflow: walks that satisfy eq. 1 and were left out for lack of room.
+        overflow: left out for lack of room: walks that satisfy eq. 1, and unfinished walks from
+            which at least one such walk would have come.
     """
 
     edges: Int[np.ndarray, "C L"]
@@ -69,8 +70,8 @@ def enumerate_candidates(
         hit, part = _expand(tables.part_first, tables.part_ids, np.diff(tables.part_first), edge)
         t_avoid = begin[hit] + tables.part_centre[part]
         fits = (t_avoid > low) & (t_avoid < high)
-        came_from.append(row)
-        via.append(edge)
+        came_from.append(row.astype(np.int32))
+        via.append(edge.astype(np.int32))
         if fits.any():
             found.append((len(via) - 1, hit[fits], part[fits], t_avoid[fits]))
         end = begin + tables.seconds[edge]
@@ -78,11 +79,10 @@ def enumerate_candidates(
         go_on = np.flatnonzero(end + tables.nearest_part[target] < high)
         if len(go_on) > MAX_WALKS:
             overflow += len(go_on) - MAX_WALKS
-            go_on = go_on[:MAX_WALKS]
-        came_from[-1], via[-1] = row, edge
+            go_on = go_on[np.arange(MAX_WALKS) * len(go_on) // MAX_WALKS]  # from all beginnings
         nodes, times = target[go_on], end[go_on]
         # Rows of the next round count within the walks that go on.
-        came_from.append(go_on)
+        came_from.append(go_on.astype(np.int32))
         via.append(np.zeros(0, dtype=np.int64))
     if not found:
         empty = np.zeros(0, dtype=np.int64)

@@ -61,25 +61,30 @@ def clearance(
 ) -> tuple[Float[np.ndarray, " T1"], float]:
     """Least distance of attack and body over each interval of the trace, and over all of it, m.
 
-    Between two times both centres move linearly and the smallest distance has a closed form;
-    what the attack bends in between is taken off. Intervals outside the attack's life are far.
+    Between two moments of the trace, or knots of the attack, both centres move linearly and the
+    smallest distance has a closed form; what the attack bends between its knots is taken off.
+    Intervals outside the attack's life are far.
     """
     times = trace.times
-    lasts = (times[1:] >= attack.start) & (times[:-1] <= attack.end)
     result = np.full(len(times) - 1, FAR)
-    if not lasts.any():
+    first, last = max(attack.start, times[0]), min(attack.end, times[-1])
+    if first > last or len(times) < 2:
         return result, FAR
-    clipped = np.clip(times, attack.start, attack.end)
-    spheres = attack.at(clipped)
-    index = np.flatnonzero(lasts)
-    # [T, I, S, 3] only over the intervals in which there is an attack.
-    begin = spheres[index, :, None] - trace.centres[index, None]
-    end = spheres[index + 1, :, None] - trace.centres[index + 1, None]
+    moments = np.unique(np.concatenate([[first, last], times, attack.times]))
+    moments = moments[(moments >= first) & (moments <= last)]
+    if len(moments) < 2:  # the two only touch in time
+        moments = np.array([first, last])
+    index = np.clip(np.searchsorted(times, moments, side="right") - 1, 0, len(times) - 2)
+    share = (moments - times[index]) / (times[index + 1] - times[index])
+    body = trace.centres[index] * (1 - share)[:, None, None]
+    body = body + trace.centres[index + 1] * share[:, None, None]
+    gaps = attack.at(moments)[:, :, None] - body[:, None]  # [T, I, S, 3]
+    begin, end = gaps[:-1], gaps[1:]
     move = end - begin
     along = np.sum(move * move, axis=-1)
     share = np.clip(-np.sum(begin * move, axis=-1) / np.maximum(along, 1e-20), 0.0, 1.0)
     near = np.linalg.norm(begin + share[..., None] * move, axis=-1)
     gap = near - attack.radii[:, None] - radii[None, :]
-    sag = attack.acceleration * (np.diff(times).max() ** 2) / 8
-    result[index] = gap.min(axis=(1, 2)) - sag
+    sag = attack.acceleration * np.diff(attack.times).max(initial=0.0) ** 2 / 8
+    np.minimum.at(result, index[:-1], gap.min(axis=(1, 2)) - sag)
     return result, float(result.min())

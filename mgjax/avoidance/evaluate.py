@@ -203,14 +203,15 @@ def judge(
     there. Shapes are padded to a few sizes, so that attacks do not compile anew.
     """
     times = evaluation_times(attack, crop, config)
-    size = bucket_size(len(times), 16)
+    # Few sizes: every combination of them is compiled once.
+    size = bucket_size(len(times), 32)
     active = np.arange(size) < len(times)
     centres = np.moveaxis(attack.at(times), -1, 0)
     padded = pad_axis(centres, size, axis=1).astype(np.float32)
-    longest = bucket_size(candidates.edges.shape[1], 8)
+    longest = bucket_size(candidates.edges.shape[1], 16, 4)
     edges = pad_axis(candidates.edges, longest, axis=1, value=NO_EDGE).astype(np.int32)
     count = len(edges)
-    tile = min(bucket_size(count, 16), TILE)
+    tile = min(bucket_size(count, 16, 8), TILE)
     parts: list[dict[str, np.ndarray]] = []
     for first in range(0, count, tile):
         chunk = [

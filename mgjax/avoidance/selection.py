@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
@@ -13,6 +14,7 @@ from mgjax.avoidance.candidates import Candidates, enumerate_candidates
 from mgjax.avoidance.check import CLEAR_M, Trace, clearance, trace_motion, walk_motion
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
 from mgjax.avoidance.evaluate import DeviceTables, device_tables, judge
+from mgjax.avoidance.exact import clearance_between
 from mgjax.avoidance.tables import EdgeTables, edge_tables
 from mgjax.avoidance.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE
 from mgjax.avoidance.volumes import preset_spheres, sphere_centres
@@ -48,7 +50,7 @@ class Dropped:
         not_adjustable: no edge may change its speed as needed.
         time_scale: the time scale is not positive, or out of range.
         hit: the exact check found that the attack touches the body.
-        overflow: not judged, for lack of room.
+        overflow: not judged, or not checked exactly, for lack of room.
     """
 
     not_adjustable: int = 0
@@ -105,6 +107,15 @@ class _Played:
     walk: Walk
     clearance: float
     clear_until: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Written:
+    """The motion of a walk as it is written, and its exact clearance."""
+
+    motion: Motion
+    trace: Trace
+    clearance: float
 
 
 @lru_cache(maxsize=8)
@@ -172,9 +183,7 @@ def select(
 def _validate(graph: MotionGraph, node: int, attack: Attack, config: AvoidanceConfig) -> None:
     if not 0 <= node < graph.num_nodes:
         raise ConfigError(f"got node {node}, expected 0 … {graph.num_nodes - 1}")
-    for name in ("T_window", "crop_radius_m", "crop_height_m", "body_rate", "evaluation_step_s"):
-        if not 0 < getattr(config, name) < 1e6:
-            raise ConfigError(f"got {name} = {getattr(config, name)}, expected more than 0")
+    _validate_config(config)
     validate_attack(attack)
     spheres = preset_spheres(graph.skeleton)
     frame = graph.node_frame[node]
@@ -192,6 +201,45 @@ def _validate(graph: MotionGraph, node: int, attack: Attack, config: AvoidanceCo
             f"got an attack that starts {-gap.min():.3f} m inside the body ({where}),"
             " expected one that starts outside"
         )
+
+
+_RANGES: dict[str, tuple[float, float]] = {
+    "T_window": (1e-3, 10.0),
+    "crop_radius_m": (1e-3, 100.0),
+    "crop_height_m": (1e-3, 100.0),
+    "body_rate": (1.0, 1000.0),
+    "evaluation_step_s": (1e-3, 1.0),
+    "settle_s": (0.0, 10.0),
+    "capacity": (1, 1_000_000),
+    "checks": (1, 1_000_000),
+    "energy.E_avoidance": (1e-9, 1e9),
+    "energy.D_body": (1e-9, 1e9),
+    "energy.E_time": (1.0, 1e6),
+    "energy.w_a": (0.0, 1e9),
+    "energy.w_b": (0.0, 1e9),
+    "energy.w_t": (0.0, 1e9),
+    "speed.V_fast": (0.0, math.inf),
+    "speed.V_slow": (0.0, math.inf),
+    "speed.V_still": (0.0, math.inf),
+}
+"""Smallest and largest value of each setting that is a number."""
+
+
+def _validate_config(config: AvoidanceConfig) -> None:
+    for key, (low, high) in _RANGES.items():
+        part, _, name = key.rpartition(".")
+        value = getattr(getattr(config, part) if part else config, name)
+        try:
+            ok = not isinstance(value, bool | str) and low <= float(value) <= high
+        except (TypeError, ValueError):
+            ok = False
+        if not ok:
+            top = f" … {high:g}" if high < math.inf else " or more"
+            raise ConfigError(f"got {key} = {value!r}, expected {low:g}{top}")
+    for key, known in (("form", ("overlap", "paper")), ("d0", ("clamped", "paper"))):
+        value = getattr(config.energy, key)
+        if value not in known:
+            raise ConfigError(f"got energy.{key} = {value!r}, expected {' or '.join(known)}")
 
 
 def _first_clear(
@@ -213,27 +261,31 @@ def _first_clear(
     d, energy = judged["d"][usable], judged["total"][usable]
     order = usable[np.lexsort((np.where(d < 0, -d, energy), d < 0))]
     hits = 0
+    found = False
     best: tuple[int, _Played] | None = None
+    written: _Written | None = None
     for index in order[: config.checks]:
         length = int(candidates.length[index])
         walk = make_walk(graph, candidates.edges[index, :length], judged["scales"][index, :length])
         played = _play_on(graph, attack, walk, config)
-        if played.clearance >= CLEAR_M and played.clear_until is None:
-            best = (int(index), played)
-            break
+        if played.clearance >= CLEAR_M:
+            # Pieces were checked one by one; what counts is the motion as it is written.
+            written = _write(graph, attack, played.walk, config)
+            if written.clearance >= CLEAR_M:
+                found, best = True, (int(index), played)
+                break
+            played = replace(played, clearance=written.clearance)
         hits += 1
         if best is None or played.clearance > best[1].clearance:
             best = (int(index), played)
     assert best is not None
-    unchecked = len(order) - min(len(order), config.checks)
     index, played = best
-    found = played.clearance >= CLEAR_M and played.clear_until is None
-    if not found:
-        hits += unchecked
-    motion, trace, exact = _written(graph, attack, played.walk, config)
+    if written is None or not found:
+        written = _write(graph, attack, played.walk, config)
+    unchecked = 0 if found else max(len(order) - config.checks, 0)
     names = ("total", "avoidance", "body", "timescale", "penetration", "d", "d0")
     return Selection(
-        status="avoided" if exact >= CLEAR_M else "hit",
+        status="avoided" if found else "hit",
         node=node,
         walk=played.walk,
         path_length=int(candidates.length[index]),
@@ -244,14 +296,14 @@ def _first_clear(
             not_adjustable=dropped.not_adjustable,
             time_scale=dropped.time_scale,
             hit=hits,
-            overflow=dropped.overflow,
+            overflow=dropped.overflow + unchecked,
         ),
         energy=Energy(**{name: float(judged[name][index]) for name in names}),
-        clearance_m=exact,
-        clear_until=played.clear_until,
+        clearance_m=written.clearance,
+        clear_until=None if found else played.clear_until,
         crop=crop,
-        motion=motion,
-        trace=trace,
+        motion=written.motion,
+        trace=written.trace,
     )
 
 
@@ -263,7 +315,7 @@ def _play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceCo
     """
     until = attack.end + config.settle_s
     end = float(path.starts(graph)[-1])
-    first = _clearance_between(graph, attack, path, 0.0, min(end, until))
+    first = clearance_between(graph, attack, path, 0.0, min(end, until))
     if first < CLEAR_M:
         return _Played(walk=_extend(graph, path, until), clearance=first, clear_until=None)
     stack = [(path, end, first)]
@@ -283,26 +335,13 @@ def _play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceCo
                 break
             longer = Walk(edges=np.append(walk.edges, edge), scales=np.append(walk.scales, 1.0))
             stop = end + float(graph.edge_frames[edge]) / graph.frame_rate
-            gap = _clearance_between(graph, attack, longer, end, min(stop, until))
+            gap = clearance_between(graph, attack, longer, end, min(stop, until))
             if gap >= CLEAR_M:
                 stack.append((longer, stop, min(clear, gap)))
         if tried > MAX_CONTINUATIONS:
             break
     walk, end, clear = max([furthest, *stack], key=lambda item: item[1])
     return _Played(walk=_extend(graph, walk, until), clearance=clear, clear_until=end)
-
-
-def _clearance_between(
-    graph: MotionGraph, attack: Attack, walk: Walk, start: float, stop: float
-) -> float:
-    """Exact clearance of a walk from ``start`` to ``stop``, s; far where there is no attack."""
-    if stop <= attack.start or start >= attack.end:
-        return 1e6
-    spheres = preset_spheres(graph.skeleton)
-    trace = trace_motion(
-        graph, spheres, walk_motion(graph, walk, stop), start=max(start, attack.start), stop=stop
-    )
-    return clearance(attack, trace, spheres.radii)[1]
 
 
 def _extend(graph: MotionGraph, walk: Walk, until: float) -> Walk:
@@ -317,13 +356,13 @@ def _extend(graph: MotionGraph, walk: Walk, until: float) -> Walk:
     return Walk(edges=np.array(edges), scales=np.array(scales))
 
 
-def _written(
-    graph: MotionGraph, attack: Attack, walk: Walk, config: AvoidanceConfig
-) -> tuple[Motion, Trace, float]:
+def _write(graph: MotionGraph, attack: Attack, walk: Walk, config: AvoidanceConfig) -> _Written:
     spheres = preset_spheres(graph.skeleton)
     motion = walk_motion(graph, walk, attack.end + config.settle_s)
     trace = trace_motion(graph, spheres, motion)
-    return motion, trace, clearance(attack, trace, spheres.radii)[1]
+    return _Written(
+        motion=motion, trace=trace, clearance=clearance(attack, trace, spheres.radii)[1]
+    )
 
 
 def _without_candidate(
@@ -343,7 +382,7 @@ def _without_candidate(
     while graph.edge_frames[edges].sum() / graph.frame_rate < until:
         edges.append(int(rng.choice(graph.edges_from(int(graph.edge_target[edges[-1]])))))
     walk = make_walk(graph, edges)
-    motion, trace, _ = _written(graph, attack, walk, config)
+    written = _write(graph, attack, walk, config)
     return Selection(
         status="no_candidate",
         node=node,
@@ -357,6 +396,6 @@ def _without_candidate(
         clearance_m=None,
         clear_until=None,
         crop=crop,
-        motion=motion,
-        trace=trace,
+        motion=written.motion,
+        trace=written.trace,
     )

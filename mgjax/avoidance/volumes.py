@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -60,16 +61,25 @@ def preset_spheres(skeleton: Skeleton) -> BodySpheres:
     :class:`SkeletonError` names what is missing. Hands, toes and the top of the head fall back to
     the end of their bone, and to the joint itself where there is none.
     """
+    offsets = np.asarray(skeleton.offsets, dtype=np.float32)
+    return _preset(skeleton.names, skeleton.parents, skeleton.end_joints, offsets.tobytes())
+
+
+@lru_cache(maxsize=16)
+def _preset(
+    names: tuple[str, ...], parents: tuple[int, ...], end_joints: tuple[int, ...], offsets: bytes
+) -> BodySpheres:
+    """Kept, since joints are looked up by name and every check asks for the spheres."""
+    places = np.frombuffer(offsets, dtype=np.float32).reshape(-1, 3)
+    skeleton = Skeleton(names=names, parents=parents, offsets=places, end_joints=end_joints)
     height = float(np.ptp(rest_positions(skeleton)[:, 1]))
     scale = height / PRESET_HEIGHT_M if height > 0.1 else 1.0
     rows: list[tuple[str, int, int, float, float]] = []
     for a, b, share, radius in _PRESET:
         for side in ("left", "right") if "@" in a else ("",):
-            names = [x.replace("@", side) for x in (a, b)]
-            first, second = (_joint(skeleton, name) for name in names)
-            rows.append(
-                (f"{names[0]}-{names[1]} {share:.2f}", first, second, share, radius * scale)
-            )
+            ends = [x.replace("@", side) for x in (a, b)]
+            first, second = (_joint(skeleton, end) for end in ends)
+            rows.append((f"{ends[0]}-{ends[1]} {share:.2f}", first, second, share, radius * scale))
     return BodySpheres(
         names=tuple(row[0] for row in rows),
         first=np.array([row[1] for row in rows]),

@@ -14,6 +14,7 @@ from mgjax.avoidance.selection import Selection, select
 from mgjax.avoidance.volumes import preset_spheres
 from mgjax.cli.commands import Avoid
 from mgjax.cli.report import emit, to_json
+from mgjax.core.errors import ConfigError
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import NO_CLIP, MotionGraph
 from mgjax.io.bvh import save_bvh
@@ -24,6 +25,8 @@ from mgjax.runs.plot import Throw, scene_picture
 
 def run(command: Avoid) -> None:
     """Throws one ball and writes what came of it."""
+    if command.seed < 0:
+        raise ConfigError(f"got seed {command.seed}, expected 0 or more")
     config = load_config(command.config, AvoidanceConfig) if command.config else AvoidanceConfig()
     graph = load_graph(command.graph)
     node = command.node
@@ -109,13 +112,21 @@ def _part_json(graph: MotionGraph, part: int) -> dict[str, Any]:
 def write_volumes(path: Path, graph: MotionGraph, attack: Attack, selection: Selection) -> None:
     """Attack and body over time, as they were checked.
 
-    Before its first and after its last moment the attack is not there: it is then put 1 km under
-    the floor, so that every distance stays a number.
+    Before its first and after its last moment the attack is not there: it is then put 1 km away,
+    back or on along its flight, so that every distance stays a number and whoever joins the moments
+    by lines does not draw one through the body.
     """
     trace = selection.trace
     centres = attack.at(trace.times)
-    gone = (trace.times < attack.start - 1e-9) | (trace.times > attack.end + 1e-9)
-    centres[gone, :, 1] = -1000.0
+    knots = attack.centres
+    for gone, end, way in (
+        (trace.times < attack.start - 1e-9, knots[0], knots[0] - knots[min(1, len(knots) - 1)]),
+        (trace.times > attack.end + 1e-9, knots[-1], knots[-1] - knots[-min(2, len(knots))]),
+    ):
+        length = np.linalg.norm(way, axis=-1, keepdims=True)
+        still = np.array([0.0, -1.0, 0.0])
+        away = np.where(length > 1e-9, way / np.maximum(length, 1e-9), still)
+        centres[gone] = end + 1000.0 * away
     np.savez_compressed(
         path,
         times=trace.times,

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from mgjax.avoidance.attack import ball_attack
+from mgjax.avoidance.check import walk_motion
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.selection import select
 from mgjax.cli.avoid import describe, selection_json
@@ -15,8 +16,9 @@ from mgjax.cli.report import emit, to_json
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.core.errors import ConfigError
 from mgjax.graph.build import build_graph
+from mgjax.graph.config import GraphConfig
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import unroll
+from mgjax.graph.walk import Walk, make_walk
 from mgjax.io.bvh import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.runs.plot import Throw, scene_picture
@@ -24,19 +26,26 @@ from mgjax.runs.plot import Throw, scene_picture
 HEIGHTS_M = (1.45, 0.5, 1.1, 1.55, 0.8)
 """Heights at which the balls pass, in turn: head, knees, belly."""
 
+THRESHOLD_M = 0.05
+"""Largest distance of a transition. The automatic threshold keeps every label of these clips with
+a handful of transitions, and then an avoidance part is hardly ever near."""
+
 
 def run(command: Demo) -> None:
     """Throws balls one after another; each is known when the motion before it is over."""
     if not 1 <= command.balls <= 100:
         raise ConfigError(f"got {command.balls} balls, expected 1 … 100")
+    if command.seed < 0:
+        raise ConfigError(f"got seed {command.seed}, expected 0 or more")
     with output_folder(command.out) as folder:
         clips, labels = synthetic_clips(seed=command.seed)
-        graph = build_graph(clips, labels=labels)
-        throws, edges = throw_balls(graph, command.balls, command.seed)
-        save_bvh(folder / "motion.bvh", graph.skeleton, unroll(graph, edges))
+        graph = build_graph(clips, labels=labels, config=GraphConfig(threshold_m=THRESHOLD_M))
+        throws, walk = throw_balls(graph, command.balls, command.seed)
+        motion = walk_motion(graph, walk, float(walk.starts(graph)[-1]))
+        save_bvh(folder / "motion.bvh", graph.skeleton, motion)
         result: dict[str, Any] = {
             "graph": {k: v for k, v in graph.report.items() if k != "seconds"},
-            "balls": [selection_json(graph, t.selection) for t in throws],
+            "balls": _balls_json(graph, throws),
             "avoided": sum(t.selection.status == "avoided" for t in throws),
         }
         (folder / "result.json").write_text(to_json(result) + "\n")
@@ -46,13 +55,23 @@ def run(command: Demo) -> None:
     emit(result, lines, as_json=command.json)
 
 
-def throw_balls(graph: MotionGraph, balls: int, seed: int) -> tuple[list[Throw], np.ndarray]:
+def _balls_json(graph: MotionGraph, throws: list[Throw]) -> list[dict[str, Any]]:
+    """Each answer, with the second of the motion that is its "now"."""
+    rows: list[dict[str, Any]] = []
+    now = 0.0
+    for throw in throws:
+        rows.append({"now_s": now, **selection_json(graph, throw.selection)})
+        now += float(throw.selection.walk.starts(graph)[-1])
+    return rows
+
+
+def throw_balls(graph: MotionGraph, balls: int, seed: int) -> tuple[list[Throw], Walk]:
     """Throws ``balls`` balls from random sides at 10 m/s; the motions follow one another."""
     rng = np.random.default_rng(seed)
     config = AvoidanceConfig()
     node = int(rng.integers(graph.num_nodes))
     throws: list[Throw] = []
-    edges: list[np.ndarray] = []
+    walks: list[Walk] = []
     for number in range(balls):
         side = rng.uniform(0, 2 * np.pi)
         target = np.array([0.0, HEIGHTS_M[number % len(HEIGHTS_M)], 0.0])
@@ -60,6 +79,7 @@ def throw_balls(graph: MotionGraph, balls: int, seed: int) -> tuple[list[Throw],
         attack = ball_attack(start, target, speed=10.0, arrives=1.2)
         selection = select(graph, node, attack, config=config, seed=seed + number)
         throws.append(Throw(attack=attack, selection=selection))
-        edges.append(selection.walk.edges)
+        walks.append(selection.walk)
         node = int(graph.edge_target[selection.walk.edges[-1]])
-    return throws, np.concatenate(edges)
+    edges = np.concatenate([walk.edges for walk in walks])
+    return throws, make_walk(graph, edges, np.concatenate([walk.scales for walk in walks]))

@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 
-def bucket_size(count: int, minimum: int = 16) -> int:
-    """The smallest ``minimum * 2**k`` that holds ``count`` items."""
+def bucket_size(count: int, minimum: int = 16, factor: int = 2) -> int:
+    """The smallest ``minimum * factor**k`` that holds ``count`` items."""
     size = minimum
     while size < count:
-        size *= 2
+        size *= factor
     return size
 
 

@@ -22,6 +22,9 @@ from mgjax.core.errors import SkeletonError
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton, require_roles
 
+SHORT_GAP = 1 / 6
+"""Share of the frames of a transition in which a foot cannot get from one plant to the next."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class FootChains:
@@ -62,17 +65,30 @@ def slide_per_frame(ball: Float[Array, "W 3"], planted: Bool[Array, " W"]) -> Fl
     return jnp.sum(jnp.where(planted[1:] & planted[:-1], moved, 0.0)) / (ball.shape[0] - 1)
 
 
+def close_gaps(planted: Bool[Array, " W"], longest: int) -> Bool[Array, " W"]:
+    """Fills gaps of up to ``longest`` frames between plants and to both ends."""
+    count = planted.shape[0]
+    index = jnp.arange(count)
+    before = jax.lax.cummax(jnp.where(planted, index, -1))
+    after = jax.lax.cummin(jnp.where(planted, index, count), reverse=True)
+    short = (after - before - 1 <= longest) & ~((before < 0) & (after >= count))
+    return planted | short
+
+
 def held_places(ball: Float[Array, "W 3"], planted: Bool[Array, " W"]) -> Float[Array, "W 3"]:
     """Where the ball of a foot should be: still while planted, smoothly moved in between.
 
     The first and the last frame are fixed. Each run of planted frames is held at one place: that
     of the first frame if the run begins there, that of the last if it ends there, the mean of the
-    run otherwise; a run from first to last moves from the one to the other. Heights stay.
+    run otherwise; a run from first to last moves from the one to the other. Heights stay. Gaps
+    too short for a foot to move in (:data:`SHORT_GAP` of the frames), also those to the first and
+    the last frame, count as planted: else a foot would jump through them.
     """
     count = ball.shape[0]
+    planted = close_gaps(planted, int(SHORT_GAP * count))
     index = jnp.arange(count)
     starts = jnp.concatenate([planted[:1], planted[1:] & ~planted[:-1]])
-    run = jnp.cumsum(starts) * planted  # 0 where not planted
+    run = jnp.where(planted, jnp.cumsum(starts), 0)
     same = (run[:, None] == run[None, :]) & planted[:, None] & planted[None, :]
     members = jnp.maximum(jnp.sum(same, axis=1), 1).astype(ball.dtype)
     mean = (same.astype(ball.dtype) @ ball) / members[:, None]

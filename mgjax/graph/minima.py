@@ -107,7 +107,7 @@ def find_minima(
     features, _ = trim_paths(features, features)
     features = jax.tree.map(jnp.asarray, features)
     mask = jnp.asarray(pad_axis(valid, len(features.spread), value=0))
-    count = -(-len(valid) // TILE)
+    count = -(-(len(valid) - neighbourhood) // TILE)  # as many as the features have room for
     found: list[tuple[np.ndarray, ...]] = []
     largest = 0.0
     tiles = [(i * TILE, j * TILE) for i in range(count) for j in range(count)]
@@ -119,7 +119,7 @@ def find_minima(
             mask,
             jnp.int32(row),
             jnp.int32(column),
-            jnp.float32(min(threshold, 1e18)),
+            jnp.float32(min(threshold, 1e18) * (1 + 1e-5)),
             window=window,
             reach=neighbourhood,
         )
@@ -134,6 +134,7 @@ def find_minima(
     r, c = (frames[x.astype(np.int64) + neighbourhood] for x in parts[:2])
     distance = np.sqrt(parts[2].astype(np.float64))
     order = np.lexsort((c, r, distance))
+    order = order[distance[order] < threshold]  # exactly, which float32 cannot tell
     return Minima(
         rows=r[order],
         columns=c[order],

@@ -63,7 +63,7 @@ def largest_component(candidates: Candidates, count: int) -> Component:
     """The largest strongly connected component of the first ``count`` transitions.
 
     Largest by frames of clips, not by nodes: nodes crowd where clips resemble each other, so their
-    number says little about how much motion is left.
+    number says little about how much motion is left. Of two as large, that with more labels.
     """
     c = candidates
     leave, arrive = c.leave[:count], c.arrive[:count]
@@ -86,16 +86,16 @@ def largest_component(candidates: Candidates, count: int) -> Component:
         csr_array((ones, (source, target)), shape=size), directed=True, connection="strong"
     )
     inside = same & (part[1:] == part[:-1])
-    weight = np.bincount(part[:-1][inside], (nodes[1:] - nodes[:-1])[inside], minlength=1)
-    best = int(np.argmax(weight))
-    kept = (part[np.searchsorted(nodes, from_node)] == best) & (
-        part[np.searchsorted(nodes, to_node)] == best
-    )
+    weight = np.bincount(part[:-1][inside], (nodes[1:] - nodes[:-1])[inside], minlength=len(nodes))
     label_clip = np.searchsorted(c.starts, c.label_starts, side="right") - 1
     before = np.searchsorted(nodes, c.label_starts + label_clip, side="right") - 1
     after = np.searchsorted(nodes, c.label_stops + label_clip, side="left")
     home, end = part[before], part[np.minimum(after, len(nodes) - 1)]
-    held = np.bincount(home[(home == end) & (before < after)], minlength=1)
+    held = np.bincount(home[home == end], minlength=len(weight))
+    best = int(np.lexsort((held, weight))[-1])
+    kept = (part[np.searchsorted(nodes, from_node)] == best) & (
+        part[np.searchsorted(nodes, to_node)] == best
+    )
     return Component(
         count=count,
         kept=kept,
@@ -136,18 +136,15 @@ def choose_threshold(candidates: Candidates, keep: float, max_threshold: float) 
 
     def first_enough(low: int, high: int) -> int | None:
         """The first that is enough after ``low``, which is not, and up to ``high``."""
-        if len(c.label_starts):
-            possible = enough(component(high).most_labels)
-            changes = low < 0 or component(low).frames < component(high).frames
-        else:
-            possible = changes = enough(value(high))
-        if not possible or not (changes or enough(value(high))):
-            return None
+        reached = component(high)
+        if not enough(value(high)):
+            bound = reached.most_labels if len(c.label_starts) else reached.frames
+            same = low >= 0 and component(low).frames == reached.frames
+            if same or not enough(bound):
+                return None
         if high - low == 1:
             return high if enough(value(high)) else None
         middle = (low + high) // 2
-        if middle >= 0 and enough(value(middle)):
-            return first_enough(low, middle)
         found = first_enough(low, middle)
         return first_enough(middle, high) if found is None else found
 

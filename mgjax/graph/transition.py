@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,12 +12,15 @@ from jaxtyping import Bool, Float, Int
 from mgjax.core import planar, quaternion
 from mgjax.core.arrays import Array
 from mgjax.core.kinematics import forward
-from mgjax.core.padding import pad_axis
+from mgjax.core.padding import bucket_size, pad_axis
 from mgjax.core.skeleton import Skeleton
 from mgjax.graph.feet import FootChains, keep_plants
 
 CHUNK = 256
 """Transitions blended in one call; the last call is padded."""
+
+FRAMES = 1024
+"""Smallest number of frames that the axis is padded to."""
 
 
 def blend_weights(window: int) -> Float[np.ndarray, " W"]:
@@ -95,23 +100,57 @@ def build_transitions(
         planted feet travel per frame, before and after clean-up [M, 2].
     """
 
-    def one(row: Array, column: Array) -> tuple[Array, ...]:
-        def take(x: Array, first: Array, count: int) -> Array:
-            return jax.lax.dynamic_slice_in_dim(x, first, count)
+    size = bucket_size(len(root), FRAMES)
+    axis = [jnp.asarray(pad_axis(x, size)) for x in (root, rotations, positions, plants)]
+    share, alpha = jnp.asarray(weights), jnp.asarray(blend_weights(window))
+    parts: list[tuple[np.ndarray, ...]] = []
+    for first in range(0, len(rows), CHUNK):
+        chunk = [x[first : first + CHUNK].astype(np.int32) for x in (rows, columns)]
+        count = len(chunk[0])
+        padded = (pad_axis(x, CHUNK) for x in chunk)
+        result = _build_chunk(skeleton, *axis, *padded, share, alpha, chains=chains)
+        parts.append(tuple(np.asarray(x)[:count] for x in result))
+    if not parts:
+        shape = (0, window + 1, skeleton.num_joints, 4)
+        return np.zeros((0, window + 1, 3)), np.zeros(shape), np.zeros((0, 3)), np.zeros((0, 2))
+    joined = [np.concatenate(x) for x in zip(*parts, strict=True)]
+    return joined[0], joined[1], joined[2], joined[3]
 
-        transform = align(take(where, row, window), take(where, column, window), w)
+
+@partial(jax.jit, static_argnames=("chains",))
+def _build_chunk(
+    skeleton: Skeleton,
+    root: Float[Array, "F 3"],
+    rotations: Float[Array, "F J 4"],
+    positions: Float[Array, "F J 3"],
+    plants: Bool[Array, "F 2"],
+    rows: Int[Array, " M"],
+    columns: Int[Array, " M"],
+    weights: Float[Array, " J"],
+    alpha: Float[Array, " W"],
+    *,
+    chains: FootChains | None,
+) -> tuple[Array, ...]:
+    """The four results of :func:`build_transitions`; the window is as long as ``alpha``."""
+    window = alpha.shape[0]
+
+    def take(x: Array, first: Array, count: int) -> Array:
+        return jax.lax.dynamic_slice_in_dim(x, first, count)
+
+    def one(row: Array, column: Array) -> tuple[Array, ...]:
+        transform = align(take(positions, row, window), take(positions, column, window), weights)
         mixed_root, mixed = blend(
-            take(r, row, window),
-            take(q, row, window),
-            take(r, column, window),
-            take(q, column, window),
+            take(root, row, window),
+            take(rotations, row, window),
+            take(root, column, window),
+            take(rotations, column, window),
             transform,
             alpha,
         )
         last_root, last_turn = planar.apply_pose(
-            transform, r[column + window], q[column + window, 0]
+            transform, root[column + window], rotations[column + window, 0]
         )
-        last = q[column + window].at[0].set(last_turn)
+        last = rotations[column + window].at[0].set(last_turn)
         mixed_root = jnp.concatenate([mixed_root, last_root[None]])
         mixed = jnp.concatenate([mixed, last[None]])
         if chains is None:
@@ -119,27 +158,13 @@ def build_transitions(
         # Inherited plants: A's in the first half, B's in the second; one frame before and after.
         half = window // 2
         planted = jnp.concatenate(
-            [take(planting, row - 1, half + 1), take(planting, column + half, window - half + 1)]
+            [take(plants, row - 1, half + 1), take(plants, column + half, window - half + 1)]
         )
-        before = where[row - 1]
+        before = positions[row - 1]
         mixed, slide = keep_plants(skeleton, chains, mixed_root, mixed, planted, before)
         return mixed_root, mixed, transform, slide
 
-    r, q, where, planting, w, alpha = (
-        jnp.asarray(x) for x in (root, rotations, positions, plants, weights, blend_weights(window))
-    )
-    run = jax.jit(jax.vmap(one))
-    parts: list[tuple[np.ndarray, ...]] = []
-    for first in range(0, len(rows), CHUNK):
-        chunk = [x[first : first + CHUNK].astype(np.int32) for x in (rows, columns)]
-        count = len(chunk[0])
-        result = run(*(pad_axis(x, CHUNK) for x in chunk))
-        parts.append(tuple(np.asarray(x)[:count] for x in result))
-    if not parts:
-        shape = (0, window + 1, skeleton.num_joints, 4)
-        return np.zeros((0, window + 1, 3)), np.zeros(shape), np.zeros((0, 3)), np.zeros((0, 2))
-    joined = [np.concatenate(x) for x in zip(*parts, strict=True)]
-    return joined[0], joined[1], joined[2], joined[3]
+    return jax.vmap(one)(rows, columns)
 
 
 def frame_positions(

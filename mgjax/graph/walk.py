@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -33,17 +34,26 @@ class Walk:
 
 
 def make_walk(
-    graph: MotionGraph, edges: Sequence[int] | np.ndarray, scales: Sequence[float] | np.ndarray | None = None
+    graph: MotionGraph,
+    edges: Sequence[int] | np.ndarray,
+    scales: Sequence[float] | np.ndarray | None = None,
 ) -> Walk:
     """A walk from its edges; :class:`MotionError` if one does not begin where the last ends."""
     chosen = np.asarray(edges, dtype=np.int64)
     if not len(chosen):
         raise MotionError("got a walk without edges, expected at least one")
+    unknown = chosen[(chosen < 0) | (chosen >= graph.num_edges)]
+    if unknown.size:
+        raise MotionError(f"got edge {unknown[0]}, expected one of 0 … {graph.num_edges - 1}")
     broken = np.flatnonzero(graph.edge_target[chosen[:-1]] != graph.edge_source[chosen[1:]])
     if broken.size:
         i = int(broken[0])
         raise MotionError(f"got edge {chosen[i + 1]} after {chosen[i]}, expected one from its end")
     factors = np.ones(len(chosen)) if scales is None else np.asarray(scales, dtype=np.float64)
+    if factors.shape != chosen.shape or not ((factors > 0) & (factors < np.inf)).all():
+        raise MotionError(
+            f"got scales {factors.tolist()!s:.80}, expected {len(chosen)} numbers above 0"
+        )
     return Walk(edges=chosen, scales=factors)
 
 
@@ -59,11 +69,13 @@ def place_edges(
     """
     begin = np.zeros(3) if start is None else np.asarray(start, dtype=np.float64)
     first = graph.node_plane[graph.edge_source[edges[0]]].astype(np.float64)
-    transform = planar.compose(begin, planar.inverse(first))
+    # Plain numbers: a walk has a dozen edges, and the search lays out many walks.
+    here = [float(v) for v in planar.compose(begin, np.asarray(planar.inverse(first)))]
     places = []
-    for edge in edges:
-        places.append(transform)
-        transform = planar.compose(transform, graph.edge_exit[edge].astype(np.float64))
+    for turn, x, z in graph.edge_exit[edges].tolist():
+        places.append(here)
+        c, s = math.cos(here[0]), math.sin(here[0])
+        here = [here[0] + turn, x * c + z * s + here[1], z * c - x * s + here[2]]
     return np.array(places)
 
 
@@ -87,16 +99,26 @@ def sample_walk(
     local = (where - begins[index]) / walk.scales[index] * graph.frame_rate
     local = np.clip(local, 0.0, graph.edge_frames[edges])
     step = np.minimum(np.floor(local).astype(np.int64), graph.edge_frames[edges] - 1)
-    low = graph.edge_starts[edges] + step
     share = (local - step)[:, None]
-    root = graph.root_translation[low] * (1 - share) + graph.root_translation[low + 1] * share
-    turns = graph.local_rotations
-    rotations = quaternion.slerp(
-        turns[low].astype(np.float64), turns[low + 1].astype(np.float64), share
-    )
-    placed = place_edges(graph, walk.edges, start)[index]
-    root, first = planar.apply_pose(placed, root.astype(np.float64), rotations[:, 0])
-    rotations = np.concatenate([np.asarray(first)[:, None], np.asarray(rotations)[:, 1:]], axis=1)
+    placed = place_edges(graph, walk.edges, start)
+    # The pose after the last one that an edge plays is the first of the next edge.
+    crosses = (step == graph.edge_frames[edges] - 1) & (index + 1 < len(walk.edges))
+    after = np.minimum(index + crosses, len(walk.edges) - 1)
+    low = graph.edge_starts[edges] + step
+    high = np.where(crosses, graph.edge_starts[walk.edges[after]], low + 1)
+
+    def pose(frames: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        rotations = graph.local_rotations[frames].astype(np.float64)
+        root, turn = planar.apply_pose(
+            place, graph.root_translation[frames].astype(np.float64), rotations[:, 0]
+        )
+        rotations[:, 0] = turn
+        return np.asarray(root), rotations
+
+    root_low, turns_low = pose(low, placed[index])
+    root_high, turns_high = pose(high, placed[after])
+    root = root_low * (1 - share) + root_high * share
+    rotations = np.asarray(quaternion.slerp(turns_low, turns_high, share))
     rate = 1 / (times[1] - times[0]) if len(times) > 1 else graph.frame_rate
     return Motion(
         root_translation=np.asarray(root, dtype=np.float32),

@@ -368,7 +368,7 @@ def save_bvh(path: str | Path, skeleton: Skeleton, motion: Motion) -> None:
 
     write(0, "")
     rows = np.concatenate(columns, axis=1) + 0.0  # no "-0.000000"
-    lines += ["MOTION", f"Frames: {motion.num_frames}", f"Frame Time: {1 / motion.frame_rate:.8f}"]
+    lines += ["MOTION", f"Frames: {motion.num_frames}", f"Frame Time: {1 / motion.frame_rate:.10f}"]
     form = " ".join(["%.6f"] * rows.shape[1])
     lines += [form % tuple(row) for row in rows.tolist()]
     replace_file(path, "\n".join(lines) + "\n")

@@ -128,8 +128,8 @@ def ball_place(start, at, speed, arrives, gravity, time) -> np.ndarray:
     flight = float(np.linalg.norm(at - start)) / speed
     if gravity:
         # Short flights need a faster launch than this one: go on until it is slow enough.
-        short = flight / 100
-        long = short
+        short = long = flight / 3
+        assert np.linalg.norm(launch(short)) > speed
         while np.linalg.norm(launch(long)) > speed:
             short, long = long, long * 1.001
             assert long < 100, "out of reach"
@@ -195,7 +195,7 @@ def read_written(path) -> tuple[list[str], list[int], np.ndarray, float, np.ndar
     head = next(i for i, line in enumerate(lines) if line and line[0] == "MOTION")
     for words in lines[:head]:
         if words[0] in ("ROOT", "JOINT", "End"):
-            names.append("" if words[0] == "End" else words[1])
+            names.append(f"{names[stack[-1]]}_end" if words[0] == "End" else words[1])
             parents.append(stack[-1] if stack else -1)
             stack.append(len(names) - 1)
         elif words[0] == "OFFSET":

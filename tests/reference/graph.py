@@ -147,7 +147,8 @@ def component(starts, stops, leave, arrive, labels):
     the frame before.
 
     Returns:
-        frames of clips in it, which transitions lie in it, which labels (start, stop) lie in it.
+        frames of clips in each component, largest first; which transitions and which labels
+        (start, stop) lie in the largest (in any, where two are as large).
     """
     clip_of = {
         frame: k
@@ -186,7 +187,8 @@ def component(starts, stops, leave, arrive, labels):
     def frames_in(part):
         return sum(1 for p, q in steps if p in part and q in part)
 
+    sizes = sorted((frames_in(part) for part in parts), reverse=True)
     best = max(parts, key=frames_in)
     kept = [p in best and q in best for p, q in jumps]
     held = [all((clip_of[a], f) in best for f in range(a, b + 1)) for a, b in labels]
-    return frames_in(best), kept, held
+    return sizes, kept, held
