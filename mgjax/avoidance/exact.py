@@ -44,11 +44,13 @@ class Body:
 @register()
 @dataclass(frozen=True, kw_only=True)
 class Poses:
-    """Which two frames each written frame lies between, and where it stands in the world."""
+    """The two frames that each written frame lies between, each with its place in the world."""
 
     low: Int[Array, " N"]
+    high: Int[Array, " N"]
+    place_low: Float[Array, "N 3"]
+    place_high: Float[Array, "N 3"]
     share: Float[Array, " N"]
-    place: Float[Array, "N 3"]
 
 
 @lru_cache(maxsize=4)
@@ -108,10 +110,15 @@ def _nearest(
 
 def _written_frames(body: Body, poses: Poses) -> tuple[Array, Array]:
     share = poses.share[:, None]
-    root = body.root[poses.low] * (1 - share) + body.root[poses.low + 1] * share
-    rotations = quaternion.slerp(body.rotations[poses.low], body.rotations[poses.low + 1], share)
-    root, first = planar.apply_pose(poses.place, root, rotations[:, 0])
-    return root, jnp.concatenate([first[:, None], rotations[:, 1:]], axis=1)
+
+    def pose(frames: Array, place: Array) -> tuple[Array, Array]:
+        rotations = body.rotations[frames]
+        root, first = planar.apply_pose(place, body.root[frames], rotations[:, 0])
+        return root, jnp.concatenate([first[:, None], rotations[:, 1:]], axis=1)
+
+    root_low, low = pose(poses.low, poses.place_low)
+    root_high, high = pose(poses.high, poses.place_high)
+    return root_low * (1 - share) + root_high * share, quaternion.slerp(low, high, share)
 
 
 def _interleave(even: Array, odd: Array) -> Array:
@@ -134,7 +141,7 @@ def clearance_between(
     first = int(np.floor(begin * CHECK_RATE / 2))  # written frames, at half the rate
     last = max(int(np.ceil(end * CHECK_RATE / 2)), first + 1)
     times = np.arange(first, last + 1) * 2 / CHECK_RATE
-    low, share, place, root = _read_walk(graph, walk, times)
+    poses, root = _read_walk(graph, walk, times)
     far = attack.at(np.clip(times, attack.start, attack.end)) - root[:, None]
     gap = np.linalg.norm(far, axis=-1) - attack.radii[None, :] - reach
     # Between two frames an attack moves on by at most half its step from the nearer one.
@@ -145,11 +152,7 @@ def clearance_between(
     a, b = max(int(near[0]) - 1, 0), min(int(near[-1]) + 1, len(times) - 1)
     count = b - a + 1
     size = bucket_size(count, 32)
-    poses = Poses(
-        low=pad_axis(low[a : b + 1].astype(np.int32), size),
-        share=pad_axis(share[a : b + 1].astype(np.float32), size),
-        place=pad_axis(place[a : b + 1].astype(np.float32), size),
-    )
+    poses = jax.tree.map(lambda x: pad_axis(x[a : b + 1], size), poses)
     moments = (2 * (first + a) + np.arange(2 * size - 1)) / CHECK_RATE
     centres = attack.at(np.clip(moments, max(begin, attack.start), end))
     dead = np.arange(2 * size - 2) >= 2 * count - 2
@@ -164,10 +167,8 @@ def clearance_between(
     return min(float(nearest) - sag, FAR)
 
 
-def _read_walk(
-    graph: MotionGraph, walk: Walk, times: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Frame below, share, planar transform and root in the world, at times of a walk."""
+def _read_walk(graph: MotionGraph, walk: Walk, times: np.ndarray) -> tuple[Poses, np.ndarray]:
+    """Poses of a walk and its root in the world, as ``sample_walk`` has them."""
     begins = walk.starts(graph)
     where = np.clip(times, 0.0, begins[-1])
     index = np.clip(np.searchsorted(begins, where, side="right") - 1, 0, len(walk.edges) - 1)
@@ -176,8 +177,22 @@ def _read_walk(
     local = (where - begins[index]) / walk.scales[index] * graph.frame_rate
     local = np.clip(local, 0.0, counts)
     step = np.minimum(local.astype(np.int64), counts - 1)
-    low, share = graph.edge_starts[edges] + step, local - step
-    place = place_edges(graph, walk.edges)[index]
-    r = graph.root_translation
-    root = r[low] * (1 - share)[:, None] + r[low + 1] * share[:, None]
-    return low, share, place, np.asarray(planar.apply(place, root))
+    share = local - step
+    placed = place_edges(graph, walk.edges)
+    # The pose after the last one that an edge plays is the first of the next edge.
+    crosses = (step == counts - 1) & (index + 1 < len(walk.edges))
+    after = np.minimum(index + crosses, len(walk.edges) - 1)
+    low = graph.edge_starts[edges] + step
+    high = np.where(crosses, graph.edge_starts[walk.edges[after]], low + 1)
+    ends = [
+        np.asarray(planar.apply(placed[at], graph.root_translation[frames]))
+        for frames, at in ((low, index), (high, after))
+    ]
+    poses = Poses(
+        low=low.astype(np.int32),
+        high=high.astype(np.int32),
+        place_low=placed[index].astype(np.float32),
+        place_high=placed[after].astype(np.float32),
+        share=share.astype(np.float32),
+    )
+    return poses, ends[0] * (1 - share)[:, None] + ends[1] * share[:, None]

@@ -335,7 +335,9 @@ def _play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceCo
                 break
             longer = Walk(edges=np.append(walk.edges, edge), scales=np.append(walk.scales, 1.0))
             stop = end + float(graph.edge_frames[edge]) / graph.frame_rate
-            gap = clearance_between(graph, attack, longer, end, min(stop, until))
+            # The last stretch before the seam leads to the new edge, so it counts again.
+            seam = end - float(walk.scales[-1]) / graph.frame_rate
+            gap = clearance_between(graph, attack, longer, seam, min(stop, until))
             if gap >= CLEAR_M:
                 stack.append((longer, stop, min(clear, gap)))
         if tried > MAX_CONTINUATIONS:
