@@ -16,10 +16,10 @@ _HOMES = {
     "MgjaxError": "mgjax.core.errors",
     "global_positions": "mgjax.core.kinematics",
     "load_motion": "mgjax.io.load",
-    "save_bvh": "mgjax.io.bvh",
+    "save_bvh": "mgjax.io.bvh_write",
 }
 _ROOMS = ("core", "io", "clips", "graph", "avoidance")
-__all__ = [*_HOMES, *_ROOMS, "__version__"]
+__all__ = [*_HOMES, *_ROOMS, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 def __getattr__(name: str) -> Any:

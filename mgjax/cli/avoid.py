@@ -17,7 +17,7 @@ from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import NO_CLIP, MotionGraph
-from mgjax.io.bvh import save_bvh
+from mgjax.io.bvh_write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.runs.config import load_config
 from mgjax.runs.plot import Throw, scene_picture

@@ -51,10 +51,11 @@ def as_clips(clips: Mapping[str, tuple[Skeleton, Motion]] | Iterable[ClipLike]) 
     if isinstance(clips, Mapping):
         result = [Clip(name=n, skeleton=s, motion=m) for n, (s, m) in clips.items()]
     else:
-        result = [
-            c if isinstance(c, Clip) else Clip(name=f"clip{i}", skeleton=c[0], motion=c[1])
-            for i, c in enumerate(clips)
-        ]
+        result = []
+        for number, item in enumerate(clips):
+            if not isinstance(item, Clip):
+                item = Clip(name=f"clip{number}", skeleton=item[0], motion=item[1])
+            result.append(item)
     names = [clip.name for clip in result]
     for name in names:
         if names.count(name) > 1:

@@ -14,13 +14,12 @@ from typing import Any
 import numpy as np
 
 from mgjax.clips.labels import validate_labels
-from mgjax.clips.prepare import PreparedClip, prepare_clips
-from mgjax.clips.types import Clip, ClipLike, Label, Labels, as_clips
-from mgjax.core.contacts import foot_joints, planted
+from mgjax.clips.types import ClipLike, Label, Labels, as_clips
 from mgjax.core.errors import ConfigError, GraphError, SkeletonError
-from mgjax.core.kinematics import planar_frames
 from mgjax.core.motion import Motion, validate_motion
 from mgjax.core.skeleton import Skeleton, require_roles, validate_skeleton
+from mgjax.graph.assemble import assemble
+from mgjax.graph.axis import Axis, lay_out
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.distance import normalised_weights
 from mgjax.graph.feet import foot_chains
@@ -31,8 +30,8 @@ from mgjax.graph.prune import (
     largest_component,
     smallest_useful_threshold,
 )
-from mgjax.graph.transition import build_transitions, frame_positions
-from mgjax.graph.types import NO_CLIP, MotionGraph
+from mgjax.graph.transition import build_transitions
+from mgjax.graph.types import MotionGraph
 
 
 @dataclass(kw_only=True)
@@ -44,23 +43,6 @@ class _Stopwatch:
         start = time.perf_counter()
         yield
         self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Axis:
-    """All prepared clips on one axis of frames."""
-
-    skeleton: Skeleton
-    clips: list[PreparedClip]
-    starts: np.ndarray
-    stops: np.ndarray
-    root: np.ndarray
-    rotations: np.ndarray
-    positions: np.ndarray
-    plants: np.ndarray
-    label_starts: np.ndarray
-    label_stops: np.ndarray
-    labels: list[Label]
 
 
 def build_graph(
@@ -101,7 +83,7 @@ def build_graph(
     validate_labels(given, named)
     watch = _Stopwatch()
     with watch.step("prepare"):
-        axis, notes = _lay_out(named, given, skeleton or named[0].skeleton, config)
+        axis, notes = lay_out(named, given, skeleton or named[0].skeleton, config)
     window = max(1, round(config.window_s * config.frame_rate))
     weights = joint_weights(axis.skeleton, config.weights)
 
@@ -157,7 +139,7 @@ def build_graph(
         "notes": notes,
     }
     with watch.step("assemble"):
-        graph = _assemble(axis, candidates, kept, blended, window, config, report)
+        graph = assemble(axis, candidates, kept, blended, window, config, report)
     report["seconds"] = {k: round(v, 4) for k, v in watch.seconds.items()}
     return graph
 
@@ -204,50 +186,6 @@ def joint_weights(skeleton: Skeleton, weights: str | dict[str, float]) -> np.nda
     return normalised_weights(values, skeleton.num_joints)
 
 
-def _lay_out(
-    clips: list[Clip], labels: Labels, skeleton: Skeleton, config: GraphConfig
-) -> tuple[_Axis, list[str]]:
-    prepared, notes = prepare_clips(
-        clips, labels, skeleton=skeleton, frame_rate=config.frame_rate, mirrored=config.mirror
-    )
-    lengths = np.array([c.motion.num_frames for c in prepared])
-    stops = np.cumsum(lengths)
-    starts = stops - lengths
-    root = np.concatenate([_centred(np.asarray(c.motion.root_translation)) for c in prepared])
-    rotations = np.concatenate([np.asarray(c.motion.local_rotations) for c in prepared])
-    positions = frame_positions(skeleton, root, rotations)
-    feet = list(foot_joints(skeleton))
-    plants = np.concatenate(
-        [
-            planted(positions[a:b, feet], config.frame_rate)
-            for a, b in zip(starts, stops, strict=True)
-        ]
-    )
-    frames = np.concatenate(
-        [c.label_frames + a for c, a in zip(prepared, starts, strict=True)]
-    ).astype(np.int64)
-    axis = _Axis(
-        skeleton=skeleton,
-        clips=prepared,
-        starts=starts,
-        stops=stops,
-        root=root,
-        rotations=rotations,
-        positions=positions,
-        plants=plants,
-        label_starts=frames[:, 0],
-        label_stops=frames[:, 1],
-        labels=[label for c in prepared for label in c.labels],
-    )
-    return axis, notes
-
-
-def _centred(root: np.ndarray) -> np.ndarray:
-    """Moves a clip to the middle of the floor: nothing depends on where it was captured."""
-    middle = root.astype(np.float64).mean(axis=0) * [1, 0, 1]
-    return (root - middle).astype(np.float32)
-
-
 def _search_limit(config: GraphConfig) -> float:
     if config.normalised is not None:
         return float("inf")
@@ -273,7 +211,7 @@ def _nothing_left(
 
 
 def _candidates(
-    axis: _Axis, minima: Minima, window: int, config: GraphConfig
+    axis: Axis, minima: Minima, window: int, config: GraphConfig
 ) -> tuple[Candidates, np.ndarray, np.ndarray]:
     """Minima that may become transitions, and the first frames of their windows."""
     rows, columns = minima.rows, minima.columns
@@ -307,81 +245,3 @@ def _threshold(candidates: Candidates, largest: float, config: GraphConfig) -> f
     if config.normalised is not None:
         return config.normalised * largest
     return choose_threshold(candidates, config.keep, config.max_threshold_m)
-
-
-def _assemble(
-    axis: _Axis,
-    candidates: Candidates,
-    kept: np.ndarray,
-    blended: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
-    window: int,
-    config: GraphConfig,
-    report: dict[str, Any],
-) -> MotionGraph:
-    roots, rotations, transforms, slides = blended
-    leave, arrive = candidates.leave[kept], candidates.arrive[kept]
-    frames = np.unique(np.concatenate([leave, arrive]))
-    clip = np.searchsorted(axis.starts, frames, side="right") - 1
-    along = np.flatnonzero(clip[1:] == clip[:-1])
-    first = len(axis.root) + np.arange(len(kept)) * (window + 1)
-    source = np.concatenate([along, np.searchsorted(frames, leave)])
-    target = np.concatenate([along + 1, np.searchsorted(frames, arrive)])
-    edge_starts = np.concatenate([frames[along], first])
-    edge_stops = np.concatenate([frames[along + 1], first + window])
-    edge_clip = np.concatenate([clip[along], np.full(len(kept), NO_CLIP)])
-    distances = np.concatenate([np.zeros(len(along)), candidates.distances[kept]])
-    exits = np.concatenate([np.zeros((len(along), 3)), transforms]).astype(np.float32)
-    order = np.argsort(source, kind="stable")
-    out_first = np.concatenate([[0], np.cumsum(np.bincount(source, minlength=len(frames)))])
-    # A label belongs to the one piece of a clip that holds it whole.
-    at = np.searchsorted(edge_starts[: len(along)], axis.label_starts, side="right") - 1
-    holds = (at >= 0) & (axis.label_stops <= edge_stops[np.maximum(at, 0)])
-    inside = np.flatnonzero(holds)
-    genuine = np.array([label.genuine for label in axis.labels], dtype=bool)
-    middle = (axis.label_starts + axis.label_stops) / 2 - edge_starts[np.maximum(at, 0)]
-    enterable = holds & (middle <= config.horizon_s * config.frame_rate)
-    report.update(
-        frames=int((axis.stops - axis.starts).sum()),
-        transitions=len(kept),
-        nodes=len(frames),
-        edges=len(source),
-        labels_kept=int(holds.sum()),
-        labels_enterable=int(enterable.sum()),
-        genuine_total=int(genuine.sum()),
-        genuine_kept=int((holds & genuine).sum()),
-        genuine_enterable=int((enterable & genuine).sum()),
-        foot_slide_before=float(slides[:, 0].mean()),
-        foot_slide_after=float(slides[:, 1].mean()),
-    )
-    node_plane = planar_frames(axis.skeleton, axis.positions[frames])
-    return MotionGraph(
-        skeleton=axis.skeleton,
-        frame_rate=config.frame_rate,
-        window=window,
-        root_translation=np.concatenate([axis.root, roots.reshape(-1, 3)]).astype(np.float32),
-        local_rotations=np.concatenate(
-            [axis.rotations, rotations.reshape(-1, *rotations.shape[2:])]
-        ).astype(np.float32),
-        clip_names=tuple(c.name for c in axis.clips),
-        clip_starts=axis.starts,
-        clip_stops=axis.stops,
-        node_frame=frames,
-        node_clip=clip,
-        node_plane=np.asarray(node_plane, dtype=np.float32),
-        edge_source=source,
-        edge_target=target,
-        edge_starts=edge_starts,
-        edge_stops=edge_stops,
-        edge_clip=edge_clip,
-        edge_exit=exits,
-        edge_distance=distances.astype(np.float32),
-        out_first=out_first,
-        out_edges=order,
-        label_edge=at[inside],
-        label_starts=axis.label_starts[inside],
-        label_stops=axis.label_stops[inside],
-        label_kind=tuple(axis.labels[i].kind for i in inside),
-        label_direction=tuple(axis.labels[i].direction for i in inside),
-        label_genuine=genuine[inside],
-        report=report,
-    )

@@ -8,7 +8,8 @@ from pathlib import Path
 from mgjax.core.errors import ConfigError, FileFormatError
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
-from mgjax.io.asf_amc import find_asf, read_amc, read_asf
+from mgjax.io.amc import find_asf, read_amc
+from mgjax.io.asf import read_asf
 from mgjax.io.bvh import read_bvh
 from mgjax.io.units import Unit
 

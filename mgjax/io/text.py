@@ -74,3 +74,8 @@ def quoted(token: str) -> str:
 def reason(error: Exception) -> str:
     """Why the operating system refused, in lower case."""
     return (getattr(error, "strerror", None) or str(error)).lower()
+
+
+def split_braces(line: str) -> list[str]:
+    """Words of a line, braces being words of their own."""
+    return line.replace("{", " { ").replace("}", " } ").split()

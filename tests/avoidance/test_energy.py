@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from mgjax.avoidance import energy
+from mgjax.avoidance import energy_kernel
 from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy import FAR, energies, energies_batch, time_scale_energy, total_energy
 from mgjax.core.errors import ConfigError
@@ -158,8 +158,8 @@ def test_batch_is_the_loop(config: EnergyConfig, monkeypatch: pytest.MonkeyPatch
     wanted = jax.tree.map(lambda *fields: jnp.stack(fields), *one_by_one)
     assert_same(energies_batch(*batched(problems), dt=DT, config=config), wanted, atol=2e-6)
     # Straight code in blocks of 4 times for all batches.
-    monkeypatch.setattr(energy, "_WIDE", 1)
-    monkeypatch.setattr(energy, "_BLOCK", 4)
+    monkeypatch.setattr(energy_kernel, "WIDE", 1)
+    monkeypatch.setattr(energy_kernel, "_BLOCK", 4)
     eager = energies_batch.__wrapped__(*batched(problems), dt=DT, config=config)
     assert_same(eager, wanted, atol=2e-6)
 
@@ -167,12 +167,12 @@ def test_batch_is_the_loop(config: EnergyConfig, monkeypatch: pytest.MonkeyPatch
 @pytest.fixture(scope="module")
 def wide() -> tuple:
     """Enough candidates for straight code."""
-    return batched(candidates(energy._WIDE, T=12, S=3))
+    return batched(candidates(energy_kernel.WIDE, T=12, S=3))
 
 
 def test_wide_batches_agree_with_plain_loops(wide: tuple) -> None:
     got = energies_batch(*wide, dt=DT, config=CONFIGS[2])
-    for c, p in enumerate(candidates(energy._WIDE, T=12, S=3)[:10]):
+    for c, p in enumerate(candidates(energy_kernel.WIDE, T=12, S=3)[:10]):
         wanted = reference.energies(*p, dt=DT, config=CONFIGS[2])
         assert_same(jax.tree.map(lambda field, c=c: field[c], got), wanted, atol=5e-5)
 
@@ -191,7 +191,7 @@ def test_gradients_of_wide_batches_are_those_of_single_paths(wide: tuple) -> Non
 
     got = jax.grad(loss)(body)
     gradient = jax.jit(jax.grad(loss_of_one))
-    for c, p in enumerate(candidates(energy._WIDE, T=12, S=3)[:5]):
+    for c, p in enumerate(candidates(energy_kernel.WIDE, T=12, S=3)[:5]):
         wanted = jnp.moveaxis(gradient(p[2], p), -1, 0)
         np.testing.assert_allclose(got[..., c], wanted, rtol=1e-4, atol=1e-5)
 
@@ -246,9 +246,9 @@ def test_padding_changes_nothing(wide: tuple) -> None:
     avoidance, active = (np.concatenate([m, m & False], axis=-1) for m in (avoidance, active))
     more = (attack, attack_radii, body, body_radii, start, avoidance, active)
     got = energies_batch(*more, dt=DT, config=CONFIGS[0])
-    half = jax.tree.map(lambda field: field[: energy._WIDE], got)
+    half = jax.tree.map(lambda field: field[: energy_kernel.WIDE], got)
     assert_same(half, energies_batch(*wide, dt=DT, config=CONFIGS[0]), atol=1e-6)
-    assert (np.asarray(got.d[energy._WIDE :]) == FAR).all()
+    assert (np.asarray(got.d[energy_kernel.WIDE :]) == FAR).all()
 
 
 @pytest.mark.parametrize("form", ["paper", "overlap"])

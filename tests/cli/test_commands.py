@@ -133,6 +133,10 @@ def check_files(out: Path, result: dict, radius: float) -> None:
     np.testing.assert_allclose(volumes["attack_radii"], [radius])
     assert volumes["body_centres"].shape == (len(times), len(volumes["body_radii"]), 3)
     assert all(np.isfinite(volumes[name]).all() for name in volumes)
+    # Half a second in the air; before that the ball waits far behind the place it comes from.
+    ball = volumes["attack_centres"][:, 0]
+    assert (ball[times < 0.6, 2] > 900).all()
+    assert (np.linalg.norm(ball[(times > 0.75) & (times < 1.4)], axis=1) < 6).all()
     _, motion = load_motion(out / "motion.bvh")
     assert motion.num_frames == (len(times) + 1) // 2
     least = reference.quick_clearance(

@@ -18,23 +18,17 @@ import numpy as np
 from mgjax.core import quaternion
 from mgjax.core.arrays import Array
 from mgjax.core.errors import FileFormatError
-from mgjax.core.motion import Motion
 from mgjax.core.skeleton import MAX_DEPTH, MAX_OFFSET_M, Skeleton
 from mgjax.io.text import (
     MAX_PLACE_M,
-    check_size,
-    is_count,
-    is_plain,
     parse_number,
     quoted,
     read_text,
-    reason,
     split_lines,
 )
 from mgjax.io.units import Unit
 
-DEFAULT_FRAME_RATE = 120.0
-_ROOT = "root"
+ROOT = "root"
 
 Line = tuple[int, list[str]]
 
@@ -62,31 +56,11 @@ class AsfFile:
     root_position: np.ndarray
 
 
-def find_asf(amc: str | Path) -> Path:
-    """The ASF file of an AMC file: named like its prefix (14_02.amc: 14.asf), else the only one."""
-    amc = Path(amc)
-    folder = amc.parent
-    named = folder / f"{amc.stem.split('_')[0]}.asf"
-    try:
-        if named.is_file():
-            return named
-        amc.stat()
-        found = sorted(p for p in folder.iterdir() if p.suffix.lower() == ".asf")
-    except (OSError, ValueError) as error:
-        raise FileFormatError(amc, None, reason(error), "a readable AMC file") from None
-    if len(found) != 1:
-        names = ", ".join(p.name for p in found) or "none"
-        raise FileFormatError(
-            amc, None, f"{names} beside it", f"{named.name} or a single .asf file"
-        )
-    return found[0]
-
-
 def read_asf(path: str | Path) -> AsfFile:
     """Reads an ASF skeleton; :class:`FileFormatError` names file and line of what is wrong."""
     lines = _lines(path, read_text(path, "ASF"))
     units = {"length": 1.0, "angle": "deg"}
-    root = _Bone(name=_ROOT, line=1)
+    root = _Bone(name=ROOT, line=1)
     root.dof = ["tx", "ty", "tz", "rx", "ry", "rz"]
     bones: dict[str, _Bone] = {}
     tree: list[Line] = []
@@ -178,7 +152,7 @@ def _read_bones(path: str | Path, body: list[Line]) -> dict[str, _Bone]:
             bone = None
         elif key == "name":
             bone.name = _word(path, no, words, 1)
-            if bone.name in bones or bone.name == _ROOT:
+            if bone.name in bones or bone.name == ROOT:
                 raise FileFormatError(
                     path, no, f"a second bone called {quoted(bone.name)}", "unique names"
                 )
@@ -233,12 +207,12 @@ def _assemble(
 ) -> AsfFile:
     order, parents = _order_bones(path, bones, tree)
     _check_depth(path, bones, order, parents)
-    names = [_ROOT, *order]
+    names = [ROOT, *order]
     index = {name: i for i, name in enumerate(names)}
     offsets = [np.zeros(3)]
     for name in order:
         offsets.append(
-            np.zeros(3) if parents[name] == _ROOT else _reach(path, bones[parents[name]], unit)
+            np.zeros(3) if parents[name] == ROOT else _reach(path, bones[parents[name]], unit)
         )
     with_children = set(parents.values())
     ends = [name for name in order if name not in with_children]
@@ -249,7 +223,7 @@ def _assemble(
         end_joints=tuple(range(len(names), len(names) + len(ends))),
     )
     scale = np.pi / 180 if angle == "deg" else 1.0
-    members = {_ROOT: root, **bones}
+    members = {ROOT: root, **bones}
     return AsfFile(
         path=path,
         skeleton=skeleton,
@@ -277,7 +251,7 @@ def _reach(path: Path, bone: _Bone, unit: Unit) -> np.ndarray:
 def _check_depth(
     path: Path, bones: dict[str, _Bone], order: list[str], parents: dict[str, str]
 ) -> None:
-    depth = {_ROOT: 1}
+    depth = {ROOT: 1}
     for name in order:
         depth[name] = depth[parents[name]] + 1
         if depth[name] >= MAX_DEPTH:
@@ -312,7 +286,7 @@ def _order_bones(
     for no, words in tree:
         if len(words) == 1 and words[0].lower() in ("begin", "end"):
             continue
-        if words[0] != _ROOT and words[0] not in parents:
+        if words[0] != ROOT and words[0] not in parents:
             raise FileFormatError(path, no, quoted(words[0]), "root or a bone placed before")
         for name in words[1:]:
             if name not in bones:
@@ -327,125 +301,8 @@ def _order_bones(
                 path, bone.line, f"{quoted(name)} without a parent", "all in :hierarchy"
             )
     order: list[str] = []
-    stack = children.get(_ROOT, [])[::-1]
+    stack = children.get(ROOT, [])[::-1]
     while stack:
         order.append(stack.pop())
         stack += children.get(order[-1], [])[::-1]
     return order, parents
-
-
-def read_amc(path: str | Path, asf: AsfFile, *, frame_rate: float | None = None) -> Motion:
-    """Reads an AMC motion for an ASF skeleton.
-
-    Args:
-        path: the file.
-        asf: its skeleton.
-        frame_rate: frames per second; AMC files state none, 120 is usual.
-    """
-    columns, values, degrees = _read_frames(path, read_text(path, "AMC").rstrip(), asf)
-    scale = np.pi / 180 if degrees else 1.0
-    skeleton = asf.skeleton
-    check_size(path, len(values), skeleton.num_joints)
-    rotations = np.zeros((len(values), skeleton.num_joints, 4))
-    rotations[..., 0] = 1
-    root = np.tile(asf.root_position, (len(values), 1))
-    for bone, first in columns.items():
-        dof = asf.channels[bone]
-        block = values[:, first : first + len(dof)]
-        turns = [i for i, name in enumerate(dof) if name[0] == "r"][::-1]
-        turn = quaternion.from_euler(
-            block[:, turns] * scale, "".join(dof[i][1].upper() for i in turns)
-        )
-        axis = asf.axes[bone]
-        local = quaternion.multiply(quaternion.multiply(axis, turn), quaternion.conjugate(axis))
-        # The root's orientation is where it starts from, not only the frame of its angles.
-        rotations[:, skeleton.index(bone)] = (
-            quaternion.multiply(axis, turn) if bone == _ROOT else local
-        )
-        for i, name in enumerate(dof):
-            if name[0] == "t" and bone == _ROOT:
-                far = np.abs(block[:, i]) > MAX_PLACE_M / asf.unit.metres
-                if far.any():
-                    got = f"root {name} {block[np.argmax(far), i]:.3g} in frame {np.argmax(far)}"
-                    raise FileFormatError(path, None, got, f"at most {MAX_PLACE_M:g} m")
-                root[:, "xyz".index(name[1])] += block[:, i] * asf.unit.metres
-    return Motion(
-        root_translation=root.astype(np.float32),
-        local_rotations=rotations.astype(np.float32),
-        frame_rate=float(frame_rate or DEFAULT_FRAME_RATE),
-    )
-
-
-def _read_frames(
-    path: str | Path, text: str, asf: AsfFile
-) -> tuple[dict[str, int], np.ndarray, bool]:
-    """First column of each bone, [F, columns] values, and whether angles are degrees."""
-    degrees = True
-    columns: dict[str, int] = {}
-    width = 0
-    for bone, dof in asf.channels.items():
-        columns[bone], width = width, width + len(dof)
-    sizes = {bone: len(dof) for bone, dof in asf.channels.items()}
-    frames: list[list[str]] = []
-    starts: list[int] = []
-    row: list[str] = []
-    place = dict(columns)
-    missing = 0
-    blank = [""] * width
-    lines = split_lines(text)
-    for no, line in enumerate(lines, 1):
-        words = line.split("#", 1)[0].split()
-        if not words:
-            continue
-        size = sizes.get(words[0])
-        if size is not None and frames:
-            if len(words) != size + 1:
-                raise FileFormatError(
-                    path, no, f"{len(words) - 1} values", f"{size} for {quoted(words[0])}"
-                )
-            first = place[words[0]]
-            if row[first] != "":
-                raise FileFormatError(path, no, f"{quoted(words[0])} a second time", "once a frame")
-            row[first : first + size] = words[1:]
-            missing -= 1
-        elif len(words) == 1 and is_count(words[0]):
-            _check_complete(path, no, row, columns, missing)
-            if starts and int(words[0]) != starts[-1] + 1:
-                raise FileFormatError(path, no, f"frame {words[0]}", f"frame {starts[-1] + 1}")
-            starts.append(int(words[0]))
-            row, missing = blank.copy(), len(columns)
-            frames.append(row)
-        elif words[0].startswith(":") and not frames:
-            degrees = words[0].upper() != ":RADIANS" and degrees
-        else:
-            expected = f"a bone of {asf.path.name} or a frame number" if frames else "frame 1"
-            raise FileFormatError(path, no, quoted(words[0]), expected)
-    if not frames:
-        raise FileFormatError(path, None, "no frame", "an AMC file with at least one")
-    _check_complete(path, len(lines), row, columns, missing)
-    return columns, _to_numbers(path, text, frames), degrees
-
-
-def _check_complete(
-    path: str | Path, no: int, row: list[str], columns: dict[str, int], missing: int
-) -> None:
-    if missing:
-        bone = next(bone for bone, first in columns.items() if row[first] == "")
-        raise FileFormatError(
-            path, no, f"a frame without {quoted(bone)}", "all bones in every frame"
-        )
-
-
-def _to_numbers(path: str | Path, text: str, frames: list[list[str]]) -> np.ndarray:
-    try:
-        values = np.array(frames, dtype=np.float64)
-        if np.isfinite(values).all() and all(is_plain("".join(row)) for row in frames):
-            return values
-    except ValueError:
-        pass
-    for no, line in enumerate(split_lines(text), 1):
-        words = line.split("#", 1)[0].split()
-        if len(words) > 1 and not words[0].startswith(":"):
-            for word in words[1:]:
-                parse_number(path, no, word, f"a channel of {quoted(words[0])}")
-    raise FileFormatError(path, None, "a value that is no number", "numbers")

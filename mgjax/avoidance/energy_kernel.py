@@ -1,0 +1,233 @@
+"""The loops over attack spheres, times and body spheres that the energies are made of.
+
+Arrays have the components outermost and the candidates last, and time is streamed: per pair of
+spheres one sum and two smallest *squared* distances are kept, so a root is taken once per pair and
+not once per time.
+
+The counterfactual body, which stops moving when the avoidance begins, is a second body whose
+spheres are those of the first until then. While the avoidance lasts it stands at t0, so it serves
+both e' (eq. 5) and d0 (eq. 8).
+"""
+
+from __future__ import annotations
+
+from functools import partial, reduce
+from typing import NamedTuple, TypeAlias
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Bool, Float
+
+from mgjax.core.arrays import Array
+
+FAR = 1e6
+"""Clearance of a path that meets no active attack, m: large, but finite."""
+
+_TINY = 1e-20
+"""Squared length under which two points coincide or a sphere stands still, m²."""
+
+WIDE = 64
+"""Candidates from which straight code over time pays for its compilation."""
+
+_STRAIGHT = 128
+"""Most times that are written out as straight code; 0.05 s of compilation each."""
+
+_BLOCK = 10
+"""Times in one piece of straight code. Longer ones leave the cache, and from about 50 on the
+compiler stops vectorising them."""
+
+Vector: TypeAlias = tuple[Array, ...]
+Totals: TypeAlias = tuple[Array, Array, Array]
+
+
+class Paths(NamedTuple):
+    """The candidates, as the kernel reads them."""
+
+    centres: Float[Array, "3 T S C"]
+    start: Float[Array, "3 S C"]
+    radii: Float[Array, " S"]
+    frozen: Bool[Array, "T C"]
+    active: Bool[Array, "T C"]
+    scored: Bool[Array, "T C"]
+
+
+class _Sums(NamedTuple):
+    """What one pass over time keeps, per body sphere and candidate."""
+
+    moved: Float[Array, "S C"]
+    nearest: Float[Array, "S C"]
+    nearest0: Float[Array, "S C"]
+    last: Vector
+    last0: Vector
+    active: Bool[Array, "1 C"]
+
+
+def over_attack(form: str, swept: bool, paths: Paths, centres: Array, radii: Array) -> Totals:
+    """(e'/Δt, d, d0) over all attack spheres, one after the other."""
+    times, candidates = paths.active.shape
+    wide = candidates >= WIDE and times <= _STRAIGHT
+    over_time = partial(_over_time_wide if wide else _over_time, form, swept)
+
+    def step(totals, sphere):
+        return _join(totals, over_time(paths, *sphere)), None
+
+    return lax.scan(step, _no_totals(paths), (jnp.moveaxis(centres, 2, 0), radii))[0]
+
+
+def _over_time(
+    form: str,
+    swept: bool,
+    paths: Paths,
+    sphere: Float[Array, "3 T"],
+    radius: Float[Array, ""],
+) -> Totals:
+    """(e'/Δt, d, d0) of every candidate against one attack sphere, by a loop over time."""
+    step = partial(_time_step, form, swept, paths, sphere, radius)
+    sums, _ = lax.scan(step, _no_sums(paths), jnp.arange(sphere.shape[1]))
+    return _over_body(sums, paths, radius)
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def _over_time_wide(
+    form: str,
+    swept: bool,
+    paths: Paths,
+    sphere: Float[Array, "3 T"],
+    radius: Float[Array, ""],
+) -> Totals:
+    """The same for many candidates, as straight code.
+
+    XLA's CPU code for a loop reads the index of a slice from memory for every element, which keeps
+    it scalar; straight code is vectorised, six times faster. A block too long is not, hence the
+    blocks. Derivatives go through the loop: those of straight code take minutes to compile.
+    """
+    step = partial(_time_step, form, swept, paths, sphere, radius)
+    sums, totals = _no_sums(paths), []
+    for start in range(0, sphere.shape[1], _BLOCK):
+        sums = _no_sums(paths)._replace(last=sums.last, last0=sums.last0, active=sums.active)
+        for t in range(start, min(start + _BLOCK, sphere.shape[1])):
+            sums, _ = step(sums, t)
+        totals.append(_over_body(sums, paths, radius))
+    return reduce(_join, totals)
+
+
+@_over_time_wide.defjvp
+def _over_time_wide_jvp(form: str, swept: bool, primals, tangents):
+    return jax.jvp(partial(_over_time, form, swept), primals, tangents)
+
+
+def _time_step(
+    form: str,
+    swept: bool,
+    paths: Paths,
+    sphere: Array,
+    radius: Array,
+    sums: _Sums,
+    t: int | Array,
+) -> tuple[_Sums, None]:
+    """Adds one time to the sums."""
+    attack, body = _at(sphere, t, 1), _at(paths.centres, t, 1)
+    masks = (paths.active, paths.frozen, paths.scored)
+    active, frozen, scored = (_at(mask, t, 0)[None] for mask in masks)
+    now, held = _relative(attack, body), _relative(attack, paths.start)
+    # Chosen after the subtraction, component by component: a choice between [3, S, C] arrays is
+    # not vectorised.
+    now0 = tuple(jnp.where(frozen, h, n) for h, n in zip(held, now, strict=True))
+    square, square0 = _squared(now), _squared(now0)
+    excess = _excess(square, square0, _reach(paths, radius), form)
+    if swept:
+        linked = active & sums.active
+        square = _closest_squared(now, sums.last, linked)
+        square0 = _closest_squared(now0, sums.last0, linked)
+    sums = _Sums(
+        moved=sums.moved + jnp.where(scored, jnp.maximum(excess, 0.0), 0.0),
+        nearest=jnp.minimum(sums.nearest, jnp.where(active, square, FAR**2)),
+        nearest0=jnp.minimum(sums.nearest0, jnp.where(active, square0, FAR**2)),
+        last=now,
+        last0=now0,
+        active=active,
+    )
+    return sums, None
+
+
+def _no_sums(paths: Paths) -> _Sums:
+    zero = jnp.zeros_like(paths.start[0])
+    far, still = jnp.full_like(zero, FAR**2), (zero, zero, zero)
+    inactive = jnp.zeros_like(paths.active[:1])
+    return _Sums(moved=zero, nearest=far, nearest0=far, last=still, last0=still, active=inactive)
+
+
+def _over_body(sums: _Sums, paths: Paths, radius: Array) -> Totals:
+    """(e'/Δt, d, d0) over the body spheres.
+
+    A loop, not a reduction: a reduction would be fused with the whole sum over time before it,
+    which then runs candidate by candidate instead of along the candidates.
+    """
+
+    def step(totals, sphere):
+        moved, square, square0, reach = sphere
+        return _join(totals, (moved, _distance(square) - reach, _distance(square0) - reach)), None
+
+    rows = (sums.moved, sums.nearest, sums.nearest0, _reach(paths, radius))
+    return lax.scan(step, _no_totals(paths), rows)[0]
+
+
+def _no_totals(paths: Paths) -> Totals:
+    far = jnp.full_like(paths.start[0, 0], FAR)
+    return jnp.zeros_like(far), far, far
+
+
+def _join(one: Totals, other: Totals) -> Totals:
+    return one[0] + other[0], jnp.minimum(one[1], other[1]), jnp.minimum(one[2], other[2])
+
+
+def _reach(paths: Paths, radius: Array) -> Array:
+    """[S,1] distance of the centres at which the attack sphere touches each body sphere."""
+    return (paths.radii + radius)[:, None]
+
+
+def _at(array: Array, t: int | Array, axis: int) -> Array:
+    if isinstance(t, int):
+        return lax.index_in_dim(array, t, axis, keepdims=False)
+    return lax.dynamic_index_in_dim(array, t, axis, keepdims=False)
+
+
+def _relative(sphere: Float[Array, "3"], body: Float[Array, "3 S C"]) -> Vector:
+    """Vectors from the body spheres to the attack sphere."""
+    return sphere[0] - body[0], sphere[1] - body[1], sphere[2] - body[2]
+
+
+def _squared(vector: Vector) -> Array:
+    x, y, z = vector
+    return x * x + y * y + z * z
+
+
+def _distance(square: Array) -> Array:
+    """Root with the gradient 0 where the points coincide."""
+    return jnp.sqrt(jnp.maximum(square, _TINY))
+
+
+def _excess(square: Array, square0: Array, reach: Array, form: str) -> Array:
+    """−x of eq. 5 for the squared distances of the body at t and at t0.
+
+    The radii cancel. With the depth of penetration max(0, reach − distance) in the place of
+    −D, the two differ by their distances cut off at ``reach``.
+    """
+    distance, distance0 = _distance(square), _distance(square0)
+    if form == "overlap":
+        distance, distance0 = jnp.minimum(distance, reach), jnp.minimum(distance0, reach)
+    return distance - distance0
+
+
+def _closest_squared(now: Vector, before: Vector, linked: Array) -> Array:
+    """Least squared length of a vector that moves linearly from ``before`` to ``now``.
+
+    Where not ``linked``, that of ``now``. At the closest point the derivative by its time is zero
+    or the time is fixed at an end, so the time is a constant to the gradient.
+    """
+    nx, ny, nz = now
+    dx, dy, dz = (n - b for n, b in zip(now, before, strict=True))
+    back = (nx * dx + ny * dy + nz * dz) / jnp.maximum(_squared((dx, dy, dz)), _TINY)
+    back = lax.stop_gradient(jnp.where(linked, jnp.clip(back, 0.0, 1.0), 0.0))
+    return _squared((nx - back * dx, ny - back * dy, nz - back * dz))

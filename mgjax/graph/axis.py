@@ -1,0 +1,76 @@
+"""All clips of a graph on one axis of frames."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mgjax.clips.prepare import PreparedClip, prepare_clips
+from mgjax.clips.types import Clip, Label, Labels
+from mgjax.core.contacts import foot_joints, planted
+from mgjax.core.skeleton import Skeleton
+from mgjax.graph.config import GraphConfig
+from mgjax.graph.transition import frame_positions
+
+
+@dataclass(frozen=True, kw_only=True)
+class Axis:
+    """All prepared clips on one axis of frames."""
+
+    skeleton: Skeleton
+    clips: list[PreparedClip]
+    starts: np.ndarray
+    stops: np.ndarray
+    root: np.ndarray
+    rotations: np.ndarray
+    positions: np.ndarray
+    plants: np.ndarray
+    label_starts: np.ndarray
+    label_stops: np.ndarray
+    labels: list[Label]
+
+
+def lay_out(
+    clips: list[Clip], labels: Labels, skeleton: Skeleton, config: GraphConfig
+) -> tuple[Axis, list[str]]:
+    """Prepares clips and lays them out; notes say what was changed."""
+    prepared, notes = prepare_clips(
+        clips, labels, skeleton=skeleton, frame_rate=config.frame_rate, mirrored=config.mirror
+    )
+    lengths = np.array([c.motion.num_frames for c in prepared])
+    stops = np.cumsum(lengths)
+    starts = stops - lengths
+    root = np.concatenate([_centred(np.asarray(c.motion.root_translation)) for c in prepared])
+    rotations = np.concatenate([np.asarray(c.motion.local_rotations) for c in prepared])
+    positions = frame_positions(skeleton, root, rotations)
+    feet = list(foot_joints(skeleton))
+    plants = np.concatenate(
+        [
+            planted(positions[a:b, feet], config.frame_rate)
+            for a, b in zip(starts, stops, strict=True)
+        ]
+    )
+    frames = np.concatenate(
+        [c.label_frames + a for c, a in zip(prepared, starts, strict=True)]
+    ).astype(np.int64)
+    axis = Axis(
+        skeleton=skeleton,
+        clips=prepared,
+        starts=starts,
+        stops=stops,
+        root=root,
+        rotations=rotations,
+        positions=positions,
+        plants=plants,
+        label_starts=frames[:, 0],
+        label_stops=frames[:, 1],
+        labels=[label for c in prepared for label in c.labels],
+    )
+    return axis, notes
+
+
+def _centred(root: np.ndarray) -> np.ndarray:
+    """Moves a clip to the middle of the floor: nothing depends on where it was captured."""
+    middle = root.astype(np.float64).mean(axis=0) * [1, 0, 1]
+    return (root - middle).astype(np.float32)
