@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import cast
 
 from mgjax.core.errors import MotionError
 from mgjax.core.motion import Motion
@@ -49,7 +50,8 @@ def as_clips(clips: Mapping[str, tuple[Skeleton, Motion]] | Iterable[ClipLike]) 
     Pairs without a name are called ``clip0``, ``clip1``, …; names must be unique.
     """
     if isinstance(clips, Mapping):
-        result = [Clip(name=n, skeleton=s, motion=m) for n, (s, m) in clips.items()]
+        pairs = cast(Mapping[str, tuple[Skeleton, Motion]], clips)
+        result = [Clip(name=n, skeleton=s, motion=m) for n, (s, m) in pairs.items()]
     else:
         result = []
         for number, item in enumerate(clips):
