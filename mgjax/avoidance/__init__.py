@@ -11,11 +11,13 @@ from typing import Any
 _HOMES = {
     "Attack": "mgjax.avoidance.attack",
     "AvoidanceConfig": "mgjax.avoidance.config",
+    "Choice": "mgjax.avoidance.choice",
     "Energies": "mgjax.avoidance.energy",
     "EnergyConfig": "mgjax.avoidance.energy",
     "Selection": "mgjax.avoidance.selection",
     "SpeedConfig": "mgjax.avoidance.config",
     "ball_attack": "mgjax.avoidance.attack",
+    "choose": "mgjax.avoidance.choice",
     "energies": "mgjax.avoidance.energy",
     "energies_batch": "mgjax.avoidance.energy",
     "select": "mgjax.avoidance.selection",

@@ -204,7 +204,7 @@ def judge(
     """
     times = evaluation_times(attack, crop, config)
     # Few sizes: every combination of them is compiled once.
-    size = bucket_size(len(times), 32)
+    size = bucket_size(len(times), 24)
     active = np.arange(size) < len(times)
     centres = np.moveaxis(attack.at(times), -1, 0)
     padded = pad_axis(centres, size, axis=1).astype(np.float32)

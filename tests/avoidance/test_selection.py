@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mgjax.avoidance import selection as module
+from mgjax.avoidance import choice as module
 from mgjax.avoidance.attack import Attack, ball_attack, crop_attack
 from mgjax.avoidance.candidates import Candidates, enumerate_candidates
 from mgjax.avoidance.check import CLEAR_M, FAR, clearance, trace_motion, walk_motion
