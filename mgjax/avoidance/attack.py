@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
+from scipy.optimize import minimize_scalar, root_scalar
 
 from mgjax.core.errors import AttackError
 
@@ -15,6 +18,12 @@ BEYOND_M = 3.0
 """How far a ball is followed past the place it was aimed at."""
 MAX_SECONDS = 60.0
 """An attack that lasts longer is no throw at a character, and its motion would be endless."""
+MAX_DRAG = 100.0
+"""1/s; a ball under more of it stops within its own width."""
+AWAY_M = 2000.0
+"""How far above or below the scene a sphere is while it is not there."""
+LOW_M = 0.6
+"""A sphere that appears or vanishes lower than this is put below the scene, else above it."""
 _KNOT_RATE = 240.0
 
 
@@ -22,18 +31,29 @@ _KNOT_RATE = 240.0
 class Attack:
     """Spheres that move linearly between knots, there from the first knot to the last.
 
+    Where ``starts`` and ``stops`` are given, each sphere is there only from its own start to its
+    own stop, both included. For the rest of the attack :meth:`at` puts it 2 km above the place
+    where it appears or vanishes, or below it where that is lower than 0.6 m. A reader that joins
+    the moments it asks for by straight lines then sees it come and go along a vertical, within one
+    step: a body beside that place, bent down under it or in the air over it is not swept, and the
+    motion of its life is never cut short. Whoever wants to leave that step out asks :meth:`active`.
+
     Attributes:
         times: seconds from now, ascending. [K]
         centres: in the planar frame of the character's start pose, m. [K, I, 3]
         radii: m. [I]
         acceleration: largest acceleration of a centre, m/s²: between knots dt apart a centre is off
             the straight line by at most acceleration · dt²/8.
+        starts, stops: first and last moment of each sphere, each of them a knot; None where all
+            are there from the first knot to the last. [I]
     """
 
     times: Float[np.ndarray, " K"]
     centres: Float[np.ndarray, "K I 3"]
     radii: Float[np.ndarray, " I"]
     acceleration: float = 0.0
+    starts: Float[np.ndarray, " I"] | None = None
+    stops: Float[np.ndarray, " I"] | None = None
 
     @property
     def start(self) -> float:
@@ -47,13 +67,33 @@ class Attack:
         """Centres at any time; before the first and after the last knot those are held."""
         flat = self.centres.reshape(len(self.times), -1)
         out = np.stack([np.interp(times, self.times, column) for column in flat.T], axis=1)
-        return out.reshape(len(times), *self.centres.shape[1:])
+        out = out.reshape(len(times), *self.centres.shape[1:])
+        held = np.clip(times, self.start, self.end)[:, None]
+        for moment, gone in (
+            (self.starts, None if self.starts is None else held < self.starts),
+            (self.stops, None if self.stops is None else held > self.stops),
+        ):
+            if moment is None or gone is None:
+                continue
+            knot = np.searchsorted(self.times, moment)
+            away = self.centres[knot, np.arange(len(moment))].copy()
+            away[:, 1] += np.where(away[:, 1] < LOW_M, -AWAY_M, AWAY_M)
+            out = np.where(gone[..., None], away, out)
+        return out
+
+    def active(self, times: Float[np.ndarray, " T"]) -> Bool[np.ndarray, "T I"]:
+        """Whether each sphere is there; between two moments if it is at both."""
+        starts = np.full(len(self.radii), self.start) if self.starts is None else self.starts
+        stops = np.full(len(self.radii), self.end) if self.stops is None else self.stops
+        return (times[:, None] >= starts) & (times[:, None] <= stops)
 
     def largest_speed(self) -> float:
-        """m/s, over all spheres and knots."""
+        """m/s, over all spheres and knots at which they are there."""
         steps = np.linalg.norm(np.diff(self.centres, axis=0), axis=-1)
         if not steps.size:
             return 0.0
+        there = self.active(self.times)
+        steps = np.where(there[1:] & there[:-1], steps, 0.0)
         return float((steps / np.diff(self.times)[:, None]).max())
 
 
@@ -73,6 +113,14 @@ def validate_attack(attack: Attack) -> None:
         )
     if (np.diff(attack.times) <= 0).any():
         raise AttackError("got attack times that do not ascend, expected ascending times")
+    for name in ("starts", "stops"):
+        moments = getattr(attack, name)
+        if moments is None:
+            continue
+        if moments.shape != attack.radii.shape or not np.isin(moments, attack.times).all():
+            raise AttackError(f"got {name} that are no knots, expected a knot for each sphere")
+    if not attack.active(attack.times).any(axis=0).all():
+        raise AttackError("got a sphere that stops before it starts, expected start ≤ stop")
     if (attack.radii <= 0).any():
         raise AttackError(f"got a radius of {attack.radii.min():g} m, expected more than 0")
     if attack.end > MAX_SECONDS:
@@ -90,12 +138,13 @@ def ball_attack(
     arrives: float,
     gravity: bool = False,
     radius: float = BALL_RADIUS_M,
+    drag: float = 0.0,
 ) -> Attack:
     """A ball thrown from ``start`` that is at ``at`` in ``arrives`` seconds from now.
 
     It is launched at ``arrives`` less the time of flight; if that lies in the past it is already
     under way, and its knots begin now. It is followed past ``at`` for 3 m (at
-    most half a minute), or until it meets the floor.
+    most half a minute), or until it meets the floor. ``arrives`` is a knot.
 
     Args:
         start, at: m, in the planar frame of the character's start pose.
@@ -103,6 +152,7 @@ def ball_attack(
         arrives: s, more than 0; the flight has to be over within a minute.
         gravity: a ballistic throw, the flatter of the two that meet ``at``; else a straight line.
         radius: m.
+        drag: deceleration by the air in proportion to the velocity, a = −drag · v, in 1/s.
 
     Raises:
         AttackError: a number out of range, or a place that the throw cannot reach.
@@ -112,6 +162,8 @@ def ball_attack(
     for name, value in numbers.items():
         if not (np.isfinite(value) and 0 < value <= 1000):
             raise AttackError(f"got {name} {value:g}, expected more than 0 and at most 1000")
+    if not 0 <= drag <= MAX_DRAG:
+        raise AttackError(f"got drag {drag:g} per second, expected 0 … {MAX_DRAG:g}")
     for name, place in (("start", a), ("target", b)):
         if place.shape != (3,) or not np.isfinite(place).all() or np.abs(place).max() > 1000:
             raise AttackError(f"got {name} {place.tolist()}, expected three numbers within 1000 m")
@@ -119,11 +171,10 @@ def ball_attack(
             raise AttackError(f"got a {name} {-place[1]:g} m under the floor, expected y ≥ 0")
     if np.linalg.norm(b - a) < 1e-6:
         raise AttackError("got a throw to the place it starts from, expected another")
-    velocity, flight = _launch(a, b, speed, gravity)
     pull = np.array([0.0, -GRAVITY_M_S2 if gravity else 0.0, 0.0])
-    until = flight + BEYOND_M / max(float(np.linalg.norm(velocity + pull * flight)), 0.1)
-    floor = _time_at_floor(a[1], velocity[1], pull[1])
-    until = max(min(until, floor), flight)
+    velocity, flight = _launch(b - a, speed, pull, drag)
+    until = flight + _seconds_beyond(velocity, flight, pull, drag)
+    until = _until_floor(a[1], velocity[1], pull[1], drag, flight, until)
     launch = arrives - flight
     if launch + until > MAX_SECONDS:
         raise AttackError(
@@ -131,42 +182,147 @@ def ball_attack(
             f" {MAX_SECONDS:g} s"
         )
     known = max(0.0, -launch)  # what was before now does not matter
-    count = max(2, int(np.ceil((until - known) * _KNOT_RATE)) + 1)
-    since = np.linspace(known, until, count)
-    centres = a + velocity * since[:, None] + 0.5 * pull * since[:, None] ** 2
+    since = _evenly(known, flight)
+    if until - flight > 1e-6:
+        since = np.concatenate([since[:-1], _evenly(flight, until)])
+    coast, fall = _flight_factors(since, drag)
+    centres = a + velocity * coast[:, None] + pull * fall[:, None]
     return Attack(
         times=since + launch,
         centres=centres[:, None, :],
         radii=np.array([radius]),
-        acceleration=GRAVITY_M_S2 if gravity else 0.0,
+        acceleration=float(np.linalg.norm(pull - drag * velocity) * np.exp(-drag * known)),
     )
 
 
-def _launch(a: np.ndarray, b: np.ndarray, speed: float, gravity: bool) -> tuple[np.ndarray, float]:
-    """Launch velocity and time of flight from a to b."""
-    way = b - a
-    if not gravity:
+def _evenly(start: float, stop: float) -> np.ndarray:
+    return np.linspace(start, stop, max(2, int(np.ceil((stop - start) * _KNOT_RATE)) + 1))
+
+
+def _flight_factors(t: np.ndarray, drag: float) -> tuple[np.ndarray, np.ndarray]:
+    """Factors of launch velocity and of gravity in the way covered in t seconds.
+
+    The way is v · (1 − e^−ct)/c + g · (ct − 1 + e^−ct)/c²; without drag v · t + g · t²/2.
+    """
+    u = drag * t
+    safe = np.where(u > 0, u, 1.0)
+    coast = np.where(u > 0, -np.expm1(-u) / safe, 1.0)
+    # The fraction loses its digits where u is small; there the series of seven terms is exact.
+    series = np.polyval([1 / 40320, -1 / 5040, 1 / 720, -1 / 120, 1 / 24, -1 / 6, 1 / 2], u)
+    fall = np.where(u > 0.02, (u + np.expm1(-u)) / safe**2, series)
+    return t * coast, t * t * fall
+
+
+def _factors_at(t: float, drag: float) -> tuple[float, float]:
+    coast, fall = _flight_factors(np.array([t]), drag)
+    return float(coast[0]), float(fall[0])
+
+
+def _launch(
+    way: np.ndarray, speed: float, pull: np.ndarray, drag: float
+) -> tuple[np.ndarray, float]:
+    """Launch velocity and time of flight to cover ``way``: the quicker, flatter one of two."""
+    if drag > 0:
+        flight = _dragged_flight(way, speed, pull, drag)
+        coast, fall = _factors_at(flight, drag)
+        return (way - pull * fall) / coast, flight
+    if not pull.any():
         flight = float(np.linalg.norm(way)) / speed
         return way / flight, flight
     # |way − g t²/2|² = (speed t)²: quadratic in t²; the smaller root is the flatter throw.
-    g = np.array([0.0, -GRAVITY_M_S2, 0.0])
-    qa, qb, qc = g @ g / 4, -(way @ g) - speed**2, way @ way
+    qa, qb, qc = pull @ pull / 4, -(way @ pull) - speed**2, way @ way
     root = qb * qb - 4 * qa * qc
     if qb >= 0 or root < 0:
-        least = np.sqrt(max(np.sqrt(4 * qa * qc) - way @ g, 0.0))
-        least = np.ceil(1000 * least + 1) / 1000  # rounded up: this speed does reach it
-        raise AttackError(
-            f"got a speed of {speed:g} m/s, which cannot reach the target under gravity, expected"
-            f" at least {least:.3f} m/s"
-        )
+        least = float(np.sqrt(max(np.sqrt(4 * qa * qc) - way @ pull, 0.0)))
+        raise _too_slow(speed, least, "gravity")
     flight = float(np.sqrt(2 * qc / (-qb + np.sqrt(root))))
-    return way / flight - 0.5 * g * flight, flight
+    return way / flight - 0.5 * pull * flight, flight
 
 
-def _time_at_floor(height: float, rise: float, pull: float) -> float:
-    if pull == 0:
-        return -height / rise if rise < 0 else np.inf
-    return float((-rise - np.sqrt(rise * rise - 2 * pull * height)) / pull)
+def _too_slow(speed: float, least: float, cause: str) -> AttackError:
+    least = np.ceil(1000 * least + 1) / 1000  # rounded up: this speed does reach it
+    return AttackError(
+        f"got a speed of {speed:g} m/s, which cannot reach the target under {cause}, expected"
+        f" at least {least:.3f} m/s"
+    )
+
+
+def _dragged_flight(way: np.ndarray, speed: float, pull: np.ndarray, drag: float) -> float:
+    """Least time of flight under drag.
+
+    With P and Q the factors of velocity and gravity, it is a root of speed · P − |way − g Q|. As P
+    is concave in Q, so is that, which makes two roots at most, on either side of the time T at
+    which the launch speed |way − g Q| / P that is needed is least.
+    """
+    length = float(np.linalg.norm(way))
+    if not pull.any():
+        if speed <= drag * length:
+            raise _too_slow(speed, drag * length, "drag")
+        return float(-np.log1p(-drag * length / speed) / drag)
+
+    def excess(t: float) -> float:
+        coast, fall = _factors_at(t, drag)
+        return float(speed * coast - np.linalg.norm(way - pull * fall))
+
+    def needed(log_t: float) -> float:
+        coast, fall = _factors_at(float(np.exp(log_t)), drag)
+        return float(np.linalg.norm(way - pull * fall) / coast)
+
+    log_t = np.log(1e-6)
+    while needed(log_t + 0.5) < needed(log_t):
+        log_t += 0.5
+    found: Any = minimize_scalar(
+        needed, bounds=(log_t - 0.5, log_t + 0.5), method="bounded", options={"xatol": 1e-12}
+    )
+    best = float(np.exp(found.x))
+    if excess(best) < 0:
+        raise _too_slow(speed, needed(float(found.x)), "gravity and drag")
+    # Sooner it cannot be there even if the air did nothing and gravity pulled along.
+    g = float(np.linalg.norm(pull))
+    soonest = 2 * length / (speed + np.sqrt(speed * speed + 2 * g * length))
+    if excess(soonest) >= 0:
+        return float(soonest)  # by rounding
+    return _root(excess, soonest, best)
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function that changes its sign between low and high is 0."""
+    return float(
+        root_scalar(function, bracket=(low, high), method="brentq", xtol=1e-15, rtol=1e-15).root
+    )
+
+
+def _seconds_beyond(velocity: np.ndarray, flight: float, pull: np.ndarray, drag: float) -> float:
+    """Time in which a ball goes 3 m on, at most half a minute."""
+    slowed = np.exp(-drag * flight)
+    coast, _ = _factors_at(flight, drag)
+    speed = float(np.linalg.norm(velocity * slowed + pull * coast))
+    left = 1 - drag * BEYOND_M / max(speed, 1e-9)
+    if drag > 0 and left <= np.exp(-drag * BEYOND_M / 0.1):
+        return BEYOND_M / 0.1
+    seconds = BEYOND_M / max(speed, 0.1) if drag == 0 else -np.log(left) / drag
+    return float(min(seconds, BEYOND_M / 0.1))
+
+
+def _until_floor(
+    height: float, rise: float, pull: float, drag: float, flight: float, until: float
+) -> float:
+    """``until``, or when the ball meets the floor if that is sooner; not before ``flight``."""
+
+    def above(t: float) -> float:
+        coast, fall = _factors_at(t, drag)
+        return float(height + rise * coast + pull * fall)
+
+    if above(until) >= 0:
+        return until
+    if drag == 0 and pull == 0:
+        return max(-height / rise, flight)
+    if drag == 0:
+        return max(float((-rise - np.sqrt(rise * rise - 2 * pull * height)) / pull), flight)
+    if above(flight) <= 0:
+        return flight
+    # It rises at most once and then sinks, so it meets the floor once.
+    return _root(above, flight, until)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -26,7 +26,7 @@ from mgjax.core.errors import ConfigError
 from mgjax.core.padding import bucket_size, pad_axis
 from mgjax.core.pytree import register
 
-ROW_BLOCK = 128
+ROW_BLOCK = 256
 PATH_COMPONENTS = 4
 
 
@@ -59,34 +59,44 @@ def window_features(
     level: float,
     window: int,
 ) -> WindowFeatures:
-    """Prepares one motion for comparison; R = F − W + 1 window starts. Host code.
+    """Prepares one motion for comparison; R = F − W + 1 window starts.
 
     ``level`` is a height near that of the bodies, the same for both motions that are compared:
     products of full heights would lose digits. Weights sum to 1.
     """
-    middle = positions.mean(axis=(0, 1), dtype=np.float64) * [1, 0, 1] + [0, level, 0]
-    p = np.moveaxis(positions - middle.astype(np.float32), -1, 0)
-    w = np.asarray(weights, dtype=np.float32)
-    root = np.sqrt(w)
-    x, y, z = np.ascontiguousarray(p)
-    centre = np.stack([x @ w, z @ w], axis=1)
-    x, z = (x - centre[:, :1]) * root, (z - centre[:, 1:]) * root
+    middle = positions.mean(axis=0, dtype=np.float64).mean(axis=0) * [1, 0, 1] + [0, level, 0]
+    basis = _window_basis(window) / np.sqrt(window)
+    return _features(positions, middle.astype(np.float32), weights, basis.astype(np.float32))
+
+
+@jax.jit
+def _features(
+    positions: Float[Array, "F J 3"],
+    middle: Float[Array, "3"],
+    weights: Float[Array, " J"],
+    basis: Float[Array, "W B"],
+) -> WindowFeatures:
+    window = basis.shape[0]
+    rows = positions.shape[0] - window + 1
+    root = jnp.sqrt(weights)[None, :]
+    x, y, z = (positions[..., i] - middle[i] for i in range(3))
+    cx, cz = x @ weights, z @ weights
+    x, z = (x - cx[:, None]) * root, (z - cz[:, None]) * root
     y = y * root
-    windows = np.lib.stride_tricks.sliding_window_view(centre, window, axis=0)  # [R, 2, W]
-    coefficients = windows @ (_window_basis(window) / np.sqrt(window)).astype(np.float32)
-    frame = np.sum(x * x + y * y + z * z, axis=1, dtype=np.float64)
-    spread = np.lib.stride_tricks.sliding_window_view(frame, window).mean(axis=1)
-    spread = spread + np.sum(coefficients**2, axis=(1, 2))
-    px, pz = coefficients[:, 0], coefficients[:, 1]
-    arrays = {
-        "xz": np.concatenate([x, z], axis=1),
-        "turned": np.concatenate([z, -x], axis=1),
-        "y": y,
-        "path": np.concatenate([px, pz], axis=1),
-        "path_turned": np.concatenate([pz, -px], axis=1),
-        "spread": spread,
-    }
-    return WindowFeatures(**{k: v.astype(np.float32) for k, v in arrays.items()})
+
+    def slide(values: Array) -> Array:
+        return jnp.stack([values[k : k + rows] for k in range(window)], axis=1)
+
+    px, pz = slide(cx) @ basis, slide(cz) @ basis
+    spread = jnp.mean(slide(jnp.sum(x * x + y * y + z * z, axis=1)), axis=1)
+    return WindowFeatures(
+        xz=jnp.concatenate([x, z], axis=1),
+        turned=jnp.concatenate([z, -x], axis=1),
+        y=y,
+        path=jnp.concatenate([px, pz], axis=1),
+        path_turned=jnp.concatenate([pz, -px], axis=1),
+        spread=spread + jnp.sum(px * px + pz * pz, axis=1),
+    )
 
 
 def _window_basis(window: int) -> np.ndarray:
@@ -110,17 +120,18 @@ def trim_paths(a: WindowFeatures, b: WindowFeatures) -> tuple[WindowFeatures, Wi
         rests.append(np.sqrt(np.sum(parts**2, axis=(1, 2)).max(initial=0.0)))
     if 2 * rests[0] * rests[1] > 2e-7:
         return a, b
+    return _trim(a), _trim(b)
 
-    def trim(features: WindowFeatures) -> WindowFeatures:
-        kept = {
-            name: np.asarray(getattr(features, name))
-            .reshape(-1, 2, size)[..., :PATH_COMPONENTS]
-            .reshape(-1, 2 * PATH_COMPONENTS)
-            for name in ("path", "path_turned")
-        }
-        return replace(features, **kept)
 
-    return trim(a), trim(b)
+def _trim(features: WindowFeatures) -> WindowFeatures:
+    size = features.path.shape[1] // 2
+    kept = {
+        name: np.asarray(getattr(features, name))
+        .reshape(-1, 2, size)[..., :PATH_COMPONENTS]
+        .reshape(-1, 2 * PATH_COMPONENTS)
+        for name in ("path", "path_turned")
+    }
+    return replace(features, **kept)
 
 
 def diagonal_sum(products: Float[Array, "F G"], window: int) -> Float[Array, "R C"]:
