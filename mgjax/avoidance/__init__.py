@@ -20,6 +20,9 @@ _HOMES = {
     "choose": "mgjax.avoidance.choice",
     "energies": "mgjax.avoidance.energy",
     "energies_batch": "mgjax.avoidance.energy",
+    "limb_attack": "mgjax.avoidance.attack_sources",
+    "load_attack": "mgjax.avoidance.attack_sources",
+    "merge_attacks": "mgjax.avoidance.attack_sources",
     "select": "mgjax.avoidance.selection",
 }
 __all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]

@@ -85,9 +85,12 @@ def _nearest(
     poses: Poses,
     attack_centres: Float[Array, "T I 3"],
     attack_radii: Float[Array, " I"],
-    live: Float[Array, " T1"],
+    absent: Float[Array, "T1 I"],
 ) -> Float[Array, ""]:
-    """Least swept distance over the intervals that are ``live`` (0; others 1); T = 2 N − 1."""
+    """Least swept distance over the intervals in which a sphere is not ``absent`` (0 or 1).
+
+    T = 2 N − 1.
+    """
     root, rotations = _written_frames(body, poses)
     # A moment between each two written frames, interpolated as a reader of the file would.
     middle = 0.5 * (root[:-1] + root[1:])
@@ -105,7 +108,7 @@ def _nearest(
     near = begin + share[..., None] * move
     distance = jnp.sqrt(jnp.sum(near * near, axis=-1))
     distance = distance - attack_radii[None, :, None] - body.radii[None, None, :]
-    return jnp.min(distance + FAR * live[:, None, None])
+    return jnp.min(distance + FAR * absent[..., None])
 
 
 def _written_frames(body: Body, poses: Poses) -> tuple[Array, Array]:
@@ -154,14 +157,16 @@ def clearance_between(
     size = bucket_size(count, 32)
     poses = jax.tree.map(lambda x: pad_axis(x[a : b + 1], size), poses)
     moments = (2 * (first + a) + np.arange(2 * size - 1)) / CHECK_RATE
-    centres = attack.at(np.clip(moments, max(begin, attack.start), end))
-    dead = np.arange(2 * size - 2) >= 2 * count - 2
+    moments = np.clip(moments, max(begin, attack.start), end)
+    centres, there = attack.at(moments), attack.active(moments)
+    absent = ~(there[:-1] & there[1:])
+    absent[2 * count - 2 :] = True
     nearest = _nearest(
         body,
         poses,
         centres.astype(np.float32),
         attack.radii.astype(np.float32),
-        dead.astype(np.float32),
+        absent.astype(np.float32),
     )
     sag = attack.acceleration / CHECK_RATE**2 / 4
     return min(float(nearest) - sag, FAR)
