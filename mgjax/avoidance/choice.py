@@ -14,6 +14,7 @@ from mgjax.avoidance.check import CLEAR_M
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
 from mgjax.avoidance.evaluate import DeviceTables, device_tables, judge
 from mgjax.avoidance.exact import clearance_between
+from mgjax.avoidance.grid_index import GridIndex, lookup, touched_cells
 from mgjax.avoidance.tables import EdgeTables, edge_tables
 from mgjax.avoidance.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE
 from mgjax.avoidance.validate import validate_config, validate_start
@@ -94,7 +95,7 @@ class Choice:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Played:
+class Played:
     """A walk as it would be played, and how near the attack comes."""
 
     walk: Walk
@@ -112,14 +113,22 @@ def search_tables(
 
 
 def choose(
-    graph: MotionGraph, node: int, attack: Attack, *, config: AvoidanceConfig, seed: int = 0
+    graph: MotionGraph,
+    node: int,
+    attack: Attack,
+    *,
+    config: AvoidanceConfig,
+    seed: int = 0,
+    index: GridIndex | None = None,
 ) -> Choice:
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
-    The same as :func:`mgjax.avoidance.selection.select` without making the motion.
+    The same as :func:`mgjax.avoidance.selection.select` without making the motion. With an
+    ``index`` the candidates are looked up (§5.1); where it holds none, or cannot say, and where
+    none of them is clear, they are enumerated.
     """
     validate_config(config)
-    tables, device = search_tables(graph, config.body_rate, config.speed)
+    tables, _ = search_tables(graph, config.body_rate, config.speed)
     validate_start(graph, tables, node, attack)
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     nothing = Choice(
@@ -127,13 +136,39 @@ def choose(
     )
     if crop is None:
         return nothing
-    candidates = enumerate_candidates(
+    found = None if index is None else lookup_candidates(index, node, attack, crop, config)
+    if found is not None and len(found.length):
+        choice = _best(graph, node, attack, config, crop, found, nothing)
+        if choice.status == "avoided":
+            return choice
+    found = enumerate_candidates(
         graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
     )
+    return _best(graph, node, attack, config, crop, found, nothing)
+
+
+def lookup_candidates(
+    index: GridIndex, node: int, attack: Attack, crop: Crop, config: AvoidanceConfig
+) -> Candidates | None:
+    """The candidates whose avoidance volume the attack touches (§5.1), or None if unknown."""
+    return lookup(index, node, touched_cells(attack, crop), crop.middle, config.T_window)
+
+
+def _best(
+    graph: MotionGraph,
+    node: int,
+    attack: Attack,
+    config: AvoidanceConfig,
+    crop: Crop,
+    candidates: Candidates,
+    nothing: Choice,
+) -> Choice:
+    """Judges candidates and takes the best that stays clear; ``nothing`` if none can be timed."""
     total = len(candidates.length) + candidates.overflow
     dropped = Dropped(overflow=candidates.overflow)
     if not len(candidates.length):
         return replace(nothing, candidates=total, dropped=dropped, crop=crop)
+    tables, device = search_tables(graph, config.body_rate, config.speed)
     judged = judge(tables, device, candidates, attack, crop, config, frame_rate=graph.frame_rate)
     status = judged["status"]
     dropped = replace(
@@ -141,11 +176,22 @@ def choose(
         not_adjustable=int((status == NOT_ADJUSTABLE).sum()),
         time_scale=int((status == OUT_OF_RANGE).sum()),
     )
-    usable = np.flatnonzero(status == OK)
-    if not usable.size:
+    order = ranking(judged)
+    if not order.size:
         return replace(nothing, candidates=total, dropped=dropped, crop=crop)
-    found = _first_clear(graph, node, attack, config, candidates, judged, usable, dropped)
+    found = _first_clear(graph, node, attack, config, candidates, judged, order, dropped)
     return replace(found, candidates=total, crop=crop)
+
+
+def ranking(judged: dict[str, np.ndarray]) -> np.ndarray:
+    """Candidates that can be timed, in the order of their energy; those that seem to be hit last.
+
+    The volumes that rank are samples, so a small penetration there is not yet a hit: such
+    candidates follow, the least touched first, and the exact check decides on all.
+    """
+    usable = np.flatnonzero(judged["status"] == OK)
+    d, energy = judged["d"][usable], judged["total"][usable]
+    return usable[np.lexsort((np.where(d < 0, -d, energy), d < 0))]
 
 
 def _first_clear(
@@ -155,23 +201,17 @@ def _first_clear(
     config: AvoidanceConfig,
     candidates: Candidates,
     judged: dict[str, np.ndarray],
-    usable: np.ndarray,
+    order: np.ndarray,
     dropped: Dropped,
 ) -> Choice:
-    """Checks candidates in the order of their energy; those that seem to be hit come last.
-
-    The volumes that rank are samples, so a small penetration there is not yet a hit: such
-    candidates follow, the least touched first, and the exact check decides on all.
-    """
-    d, energy = judged["d"][usable], judged["total"][usable]
-    order = usable[np.lexsort((np.where(d < 0, -d, energy), d < 0))]
+    """Checks candidates in their order; the first that stays clear wins."""
     hits = 0
     found = False
-    best: tuple[int, _Played] | None = None
+    best: tuple[int, Played] | None = None
     for index in order[: config.checks]:
         length = int(candidates.length[index])
         walk = make_walk(graph, candidates.edges[index, :length], judged["scales"][index, :length])
-        played = _play_on(graph, attack, walk, config)
+        played = play_on(graph, attack, walk, config)
         if played.clearance >= CLEAR_M:
             # Pieces were checked one by one; what counts is the motion as a whole.
             whole = clearance_between(graph, attack, played.walk, 0.0, attack.end)
@@ -200,7 +240,7 @@ def _first_clear(
     )
 
 
-def _play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceConfig) -> _Played:
+def play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceConfig) -> Played:
     """Continues a path along out-edges that stay clear until the attack is over.
 
     Depth first, longest edge first (fewer seams); after ``MAX_CONTINUATIONS`` edges the longest
@@ -210,7 +250,7 @@ def _play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceCo
     end = float(path.starts(graph)[-1])
     first = clearance_between(graph, attack, path, 0.0, min(end, until))
     if first < CLEAR_M:
-        return _Played(walk=_extend(graph, path, until), clearance=first, clear_until=None)
+        return Played(walk=_extend(graph, path, until), clearance=first, clear_until=None)
     stack = [(path, end, first)]
     furthest = (path, end, first)
     tried = 0
@@ -219,7 +259,7 @@ def _play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceCo
         if end > furthest[1]:
             furthest = (walk, end, clear)
         if end >= until:
-            return _Played(walk=walk, clearance=clear, clear_until=None)
+            return Played(walk=walk, clearance=clear, clear_until=None)
         edges = graph.edges_from(int(graph.edge_target[walk.edges[-1]]))
         edges = edges[np.argsort(graph.edge_frames[edges], kind="stable")]
         for edge in edges:
@@ -236,7 +276,7 @@ def _play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceCo
         if tried > MAX_CONTINUATIONS:
             break
     walk, end, clear = max([furthest, *stack], key=lambda item: item[1])
-    return _Played(walk=_extend(graph, walk, until), clearance=clear, clear_until=end)
+    return Played(walk=_extend(graph, walk, until), clearance=clear, clear_until=end)
 
 
 def _extend(graph: MotionGraph, walk: Walk, until: float) -> Walk:

@@ -9,6 +9,7 @@ from mgjax.avoidance.attack import Attack, Crop
 from mgjax.avoidance.check import CLEAR_M, Trace, clearance, trace_motion, walk_motion
 from mgjax.avoidance.choice import Choice, Dropped, Energy, choose
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.grid_index import GridIndex
 from mgjax.avoidance.volumes import preset_spheres
 from mgjax.core.motion import Motion
 from mgjax.graph.types import MotionGraph
@@ -63,6 +64,7 @@ def select(
     *,
     config: AvoidanceConfig | None = None,
     seed: int = 0,
+    index: GridIndex | None = None,
 ) -> Selection:
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
@@ -79,13 +81,17 @@ def select(
         attack: in the planar frame of the body at the node.
         config: settings.
         seed: for the walk that is taken where there is no candidate.
+        index: the graph's grid index, from which candidates are looked up (§5.1); without it, or
+            where it holds none that is clear, they are enumerated.
 
     Raises:
         AttackError: the attack is not finite, or begins inside the body.
         ConfigError: no such node, or a setting out of range.
     """
     config = config or AvoidanceConfig()
-    return write(graph, attack, choose(graph, node, attack, config=config, seed=seed), config)
+    return write(
+        graph, attack, choose(graph, node, attack, config=config, seed=seed, index=index), config
+    )
 
 
 def write(graph: MotionGraph, attack: Attack, choice: Choice, config: AvoidanceConfig) -> Selection:

@@ -153,7 +153,7 @@ def test_the_least_energy_that_passes_wins(any_graph: MotionGraph, answers: list
             trace = trace_motion(any_graph, spheres, walk_motion(any_graph, walk, end), stop=end)
             # It is hit on its path, or wherever it may lead after it.
             if clearance(attack, trace, spheres.radii)[1] >= CLEAR_M:
-                played = module._play_on(any_graph, attack, walk, QUICK)
+                played = module.play_on(any_graph, attack, walk, QUICK)
                 assert played.clear_until is not None or played.clearance < CLEAR_M
         looked_at += 1
         assert chosen.candidates == len(candidates.length)
@@ -313,16 +313,16 @@ def test_clear_until() -> None:
     graph = make_graph([(0, 1, 30), (1, 0, 20), (1, 1, 25)], [(0, 6, 12)], sway=0.003)
     attack = wall(1.2, 2.0)
     path = make_walk(graph, [0])
-    played = module._play_on(graph, attack, path, QUICK)
+    played = module.play_on(graph, attack, path, QUICK)
     assert played.clear_until == 1.0
     assert played.walk.edges[0] == 0
     assert float(played.walk.starts(graph)[-1]) >= 2.2
     # A path that is touched itself is not continued with care.
-    touched = module._play_on(graph, wall(0.5, 2.0), path, QUICK)
+    touched = module.play_on(graph, wall(0.5, 2.0), path, QUICK)
     assert touched.clearance < 0
     assert touched.clear_until is None
     # However far ahead: clear until the edge during which it comes.
-    far = module._play_on(graph, wall(3.5, 6.0), path, QUICK)
+    far = module.play_on(graph, wall(3.5, 6.0), path, QUICK)
     assert far.clear_until is not None
     assert 2.5 < far.clear_until <= 3.5 + 1e-9
 
@@ -345,7 +345,7 @@ def test_goes_on_where_it_is_clear() -> None:
         )
         assert clearance(attack, traces[own], spheres.radii)[1] < 0
         assert CLEAR_M < clearance(attack, traces[other], spheres.radii)[1] < FAR
-        played = module._play_on(graph, attack, make_walk(graph, [0]), QUICK)
+        played = module.play_on(graph, attack, make_walk(graph, [0]), QUICK)
         assert played.clear_until is None
         assert played.walk.edges[:2].tolist() == [0, 1 + other]
         assert CLEAR_M < played.clearance < FAR

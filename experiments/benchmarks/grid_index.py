@@ -1,0 +1,116 @@
+"""The grid index of a graph: build, size, paths per cell, and lookups against enumeration.
+
+Balls at 10 m/s come from any side, 0.5 to 1.7 m high at the body's axis, and arrive in 1.2 s at
+random nodes. Run: ``python -m experiments.benchmarks.grid_index --graph DIR``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from typing import Any
+
+import numpy as np
+
+from mgjax.avoidance.attack import Attack, ball_attack, crop_attack
+from mgjax.avoidance.candidates import enumerate_candidates
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.grid_build import build_index
+from mgjax.avoidance.grid_index import GridIndex, lookup, paths_per_cell, touched_cells
+from mgjax.avoidance.tables import EdgeTables, edge_tables
+from mgjax.core.compilation import enable_cache
+from mgjax.graph.files import load_graph
+from mgjax.graph.types import MotionGraph
+
+BALLS, WARM, NODES = 500, 50, 300
+
+
+def ball(rng: np.random.Generator) -> Attack:
+    """From 5 m away, at the vertical above the character."""
+    side, height = rng.uniform(0, 2 * np.pi), rng.uniform(0.5, 1.7)
+    at = np.array([0.0, height, 0.0])
+    start = at + 5.0 * np.array([np.sin(side), 0.0, np.cos(side)])
+    return ball_attack(start, at, speed=10.0, arrives=1.2)
+
+
+def build_row(graph: MotionGraph, tables: EdgeTables) -> tuple[dict[str, Any], GridIndex]:
+    """Builds twice: the first time also compiles, or loads the programs."""
+    start = time.perf_counter()
+    build_index(graph, tables)
+    first, start, busy = time.perf_counter() - start, time.perf_counter(), time.process_time()
+    index = build_index(graph, tables)
+    seconds, cpu = time.perf_counter() - start, time.process_time() - busy
+    rng = np.random.default_rng(0)
+    filled = np.flatnonzero(np.diff(index.node_first))
+    some = rng.choice(filled, min(NODES, len(filled)), replace=False)
+    per_cell = [paths_per_cell(index, int(node)) for node in some]
+    counts = np.concatenate(per_cell)
+    row = {
+        "case": "build",
+        "nodes": graph.num_nodes,
+        "build_s": seconds,
+        "build_cpu_s": cpu,
+        "compile_s": max(first - seconds, 0.0),
+        "megabytes": index.nbytes / 1e6,
+        "candidates": len(index.edge),
+        "candidates_per_node": len(index.edge) / graph.num_nodes,
+        "path_cells": index.report["cells"],
+        "cells_per_node": len(counts) / len(some),
+        "paths_per_cell_mean": float(counts.mean()),
+        "paths_per_cell_p95": float(np.percentile(counts, 95)),
+        "nodes_limited": index.report["nodes_limited"],
+        **{name: index.report[name] for name in ("paths_s", "parts_s", "cells_s")},
+    }
+    return row, index
+
+
+def lookup_row(
+    graph: MotionGraph, tables: EdgeTables, index: GridIndex, config: AvoidanceConfig
+) -> dict[str, Any]:
+    """Seeded balls at random nodes, each looked up and enumerated."""
+    rng = np.random.default_rng(0)
+    times, found, all_ = [], [], []
+    for _ in range(WARM + BALLS):
+        node, attack = int(rng.integers(graph.num_nodes)), ball(rng)
+        crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
+        assert crop is not None
+        clock = [time.perf_counter()]
+        cells = touched_cells(attack, crop)
+        clock.append(time.perf_counter())
+        candidates = lookup(index, node, cells, crop.middle, config.T_window)
+        clock.append(time.perf_counter())
+        every = enumerate_candidates(
+            graph, tables, node, crop.middle, window=config.T_window, capacity=1_000_000
+        )
+        clock.append(time.perf_counter())
+        times.append(np.diff(clock))
+        found.append(-1 if candidates is None else len(candidates.part))
+        all_.append(len(every.part))
+    cells_ms, lookup_ms, enumerate_ms = 1e3 * np.array(times)[WARM:].T
+    hits, every_ = np.array(found)[WARM:], np.array(all_)[WARM:]
+    row: dict[str, Any] = {"case": "lookup", "balls": BALLS}
+    for name, values in (("cells", cells_ms), ("lookup", lookup_ms), ("enumerate", enumerate_ms)):
+        row[f"{name}_median_ms"] = float(np.median(values))
+        row[f"{name}_p95_ms"] = float(np.percentile(values, 95))
+    return row | {
+        "found_mean": float(np.maximum(hits, 0).mean()),
+        "enumerated_mean": float(every_.mean()),
+        "answered": float((hits > 0).mean()),
+        "answerable": float((every_ > 0).mean()),
+        "not_covered": float((hits < 0).mean()),
+    }
+
+
+def rows(folder: str) -> list[dict[str, Any]]:
+    graph, config = load_graph(folder), AvoidanceConfig()
+    tables = edge_tables(graph, config.body_rate)
+    built, index = build_row(graph, tables)
+    return [built, lookup_row(graph, tables, index, config)]
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--graph", required=True, help="folder of a graph")
+    enable_cache()
+    print(json.dumps({"rows": rows(parser.parse_args().graph)}, indent=1))
