@@ -55,24 +55,30 @@ class DeviceTables:
 
 
 def device_tables(tables: EdgeTables, speed: SpeedConfig) -> DeviceTables:
-    """Puts the tables into jax arrays of 32 bits."""
+    """Puts the tables into jax arrays of 32 bits, padded so that few graphs compile anew."""
     slow_down, speed_up = speed_classes(tables.top_speed, speed)
 
-    def real(x: np.ndarray) -> jax.Array:
-        return jnp.asarray(x, dtype=jnp.float32)
+    def padded(x: np.ndarray, kind: type, least: int) -> jax.Array:
+        return jnp.asarray(pad_axis(x.astype(kind), bucket_size(len(x), least), value=0))
 
+    edges = {
+        "seconds": (tables.seconds, np.float32),
+        "step": (tables.step, np.float32),
+        "pool_first": (tables.pool_first, np.int32),
+        "pool_steps": (tables.pool_steps, np.int32),
+        "slow_down": (slow_down, np.bool_),
+        "speed_up": (speed_up, np.bool_),
+    }
+    parts = {
+        "part_start": tables.part_start,
+        "part_stop": tables.part_stop,
+        "part_centre": tables.part_centre,
+    }
     return DeviceTables(
-        seconds=real(tables.seconds),
-        step=real(tables.step),
-        pool=real(tables.pool),
-        pool_first=jnp.asarray(tables.pool_first, dtype=jnp.int32),
-        pool_steps=jnp.asarray(tables.pool_steps, dtype=jnp.int32),
-        slow_down=jnp.asarray(slow_down),
-        speed_up=jnp.asarray(speed_up),
-        part_start=real(tables.part_start),
-        part_stop=real(tables.part_stop),
-        part_centre=real(tables.part_centre),
-        radii=real(tables.spheres.radii),
+        pool=padded(tables.pool, np.float32, 1 << 15),
+        radii=jnp.asarray(tables.spheres.radii, dtype=jnp.float32),
+        **{name: padded(x, kind, 1 << 12) for name, (x, kind) in edges.items()},
+        **{name: padded(x, np.float32, 128) for name, x in parts.items()},
     )
 
 
