@@ -15,7 +15,7 @@ class GraphConfig:
         neighbourhood: a minimum is the lowest value within this many window starts on each side.
         self_gap_s: on one clip, windows nearer in time than this make no transition.
         threshold_m: largest distance of a transition, m RMS; None: the smallest that keeps
-            ``keep`` of the labels (with no labels, of the motion).
+            ``keep`` of the labels (or, with none, of the motion that ``max_threshold_m`` keeps).
         normalised: instead of ``threshold_m``, the threshold as a share of the largest distance
             (the paper's normalisation of the error to 0 … 1).
         keep: share of the labels that the automatic threshold must keep.

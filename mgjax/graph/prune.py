@@ -111,7 +111,10 @@ def _clip_of_arrival(c: Candidates, arrive: np.ndarray) -> np.ndarray:
 
 
 def choose_threshold(candidates: Candidates, keep: float, max_threshold: float) -> float:
-    """The smallest threshold at which ``keep`` of the labels stay; without labels, of the frames.
+    """The smallest threshold at which ``keep`` of the labels stay.
+
+    Without labels it is the smallest that keeps that share of the frames which ``max_threshold``
+    keeps.
 
     With a higher threshold components only grow, but the largest may become another one, with fewer
     labels. So bisection alone would not do: it is used only where nothing can change in between.
@@ -120,7 +123,6 @@ def choose_threshold(candidates: Candidates, keep: float, max_threshold: float) 
         GraphError: ``max_threshold`` does not do; names the best share that can be reached.
     """
     c = candidates
-    total = len(c.label_starts) or max(int((c.stops - c.starts).sum()), 1)
     thresholds = np.nextafter(np.unique(c.distances), np.inf)
     thresholds = thresholds[thresholds <= max_threshold]
 
@@ -130,6 +132,9 @@ def choose_threshold(candidates: Candidates, keep: float, max_threshold: float) 
 
     def value(i: int) -> int:
         return int(component(i).labels.sum()) if len(c.label_starts) else component(i).frames
+
+    last = len(thresholds) - 1
+    total = len(c.label_starts) or (component(last).frames if last >= 0 else 0)
 
     def enough(count: int) -> bool:
         return count >= keep * total - 1e-9 and count > 0
@@ -148,7 +153,6 @@ def choose_threshold(candidates: Candidates, keep: float, max_threshold: float) 
         found = first_enough(low, middle)
         return first_enough(middle, high) if found is None else found
 
-    last = len(thresholds) - 1
     found = first_enough(-1, last) if last >= 0 else None
     if found is not None:
         return float(thresholds[found])

@@ -112,9 +112,15 @@ def test_component_against_reachability(c, data):
         assert part.labels.tolist() == labels
 
 
+def reachable(c: Candidates, limit: float) -> int:
+    """What the share is of: all labels, or else the frames that the largest threshold keeps."""
+    below = int((np.nextafter(c.distances, np.inf) <= limit).sum())
+    return len(c.label_starts) or (largest_component(c, below).frames if below else 0)
+
+
 def exhaustive(c: Candidates, keep: float, limit: float) -> tuple[float | None, int]:
     """The smallest threshold that is enough, over all that differ; and the most that is reached."""
-    most, total = 0, len(c.label_starts) or int((c.stops - c.starts).sum())
+    most, total = 0, reachable(c, limit)
     first = None
     for distance in np.unique(c.distances):
         threshold = float(np.nextafter(distance, np.inf))
@@ -134,7 +140,7 @@ def test_the_threshold_is_the_smallest_that_is_enough(c, keep, limit):
     if want is not None:
         assert choose_threshold(c, keep, limit) == want
     else:
-        total = len(c.label_starts) or int((c.stops - c.starts).sum())
+        total = reachable(c, limit)
         with pytest.raises(GraphError) as caught:
             choose_threshold(c, keep, limit)
         text = str(caught.value)
@@ -163,8 +169,8 @@ def test_the_threshold_is_exact():
     assert c.distances[0] < threshold < c.distances[0] + 1e-12
     # Without labels the share is that of the frames.
     frames = make([20], [(12, 3, 0.12345), (18, 2, 0.15)])
-    assert choose_threshold(frames, 0.45, 0.2) == threshold
-    assert choose_threshold(frames, 0.46, 0.2) == np.nextafter(0.15, 1)
+    assert choose_threshold(frames, 0.56, 0.2) == threshold  # 9 of 16 frames
+    assert choose_threshold(frames, 0.57, 0.2) == np.nextafter(0.15, 1)
 
 
 def test_an_error_names_the_best_that_can_be_reached():
@@ -179,8 +185,8 @@ def test_an_error_names_the_best_that_can_be_reached():
     assert "\n" not in text
     with pytest.raises(GraphError, match=r"got none of 1 labels .* lower keep"):
         choose_threshold(make([10], [], [(2, 4)]), 0.9, 0.2)
-    with pytest.raises(GraphError, match=r"got 18 of 30 frames"):
-        choose_threshold(make([30], [(20, 2, 0.11)]), 0.9, 0.2)
+    with pytest.raises(GraphError, match=r"got none of 0 frames"):
+        choose_threshold(make([30], []), 0.9, 0.2)
 
 
 @given(candidates())
