@@ -22,10 +22,10 @@ _HOMES = {
     "choose": "mgjax.avoidance.choice",
     "energies": "mgjax.avoidance.energy",
     "energies_batch": "mgjax.avoidance.energy",
-    "limb_attack": "mgjax.avoidance.attack_sources",
-    "load_attack": "mgjax.avoidance.attack_sources",
+    "limb_attack": "mgjax.avoidance.attack_limb",
+    "load_attack": "mgjax.avoidance.attack_file",
     "load_index": "mgjax.avoidance.grid_index",
-    "merge_attacks": "mgjax.avoidance.attack_sources",
+    "merge_attacks": "mgjax.avoidance.attack_merge",
     "save_index": "mgjax.avoidance.grid_index",
     "select": "mgjax.avoidance.selection",
 }

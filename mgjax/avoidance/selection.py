@@ -2,57 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, fields
 
-from mgjax.avoidance.attack import Attack, Crop
+from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.check import CLEAR_M, Trace, clearance, trace_motion, walk_motion
-from mgjax.avoidance.choice import Choice, Dropped, Energy, choose
+from mgjax.avoidance.choice import Choice, choose
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.grid_index import GridIndex
 from mgjax.avoidance.volumes import preset_spheres
 from mgjax.core.motion import Motion
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Selection:
-    """The answer to an attack.
+class Selection(Choice):
+    """The answer to an attack: a choice, and its motion.
+
+    ``status`` and ``clearance_m`` are those of the motion as it is written.
 
     Attributes:
-        status: ``avoided``: the motion is clear of the attack throughout, by the exact check.
-            ``hit``: there were candidates and every one is touched; the walk is the one touched
-            least of those checked. ``no_candidate``: no avoidance part comes at the right time.
-        node: where the walk begins.
-        walk: the path, and what follows it until the attack is over.
-        path_length: edges that belong to the path; the last one holds the avoidance part.
-        part: the avoidance part, or None.
-        time_scale: s_time, or None.
-        candidates: how many satisfy eq. 1.
-        dropped: why how many of them were dropped.
-        energy: of the chosen candidate, or None.
-        clearance_m: signed distance of attack and body over the whole motion, or None without
-            candidate.
-        clear_until: seconds until which the motion is clear where nothing clear could follow the
-            path; None otherwise.
-        crop: the part of the attack that counted for energies and timing, or None.
         motion: from now until the attack is over, in the planar frame of its first pose.
         trace: the body's spheres over that motion.
     """
 
-    status: Literal["avoided", "hit", "no_candidate"]
-    node: int
-    walk: Walk
-    path_length: int
-    part: int | None
-    time_scale: float | None
-    candidates: int
-    dropped: Dropped
-    energy: Energy | None
-    clearance_m: float | None
-    clear_until: float | None
-    crop: Crop | None
     motion: Motion
     trace: Trace
 
@@ -106,19 +78,6 @@ def write(graph: MotionGraph, attack: Attack, choice: Choice, config: AvoidanceC
     status = choice.status
     if exact is not None:
         status = "avoided" if choice.status == "avoided" and exact >= CLEAR_M else "hit"
-    return Selection(
-        status=status,
-        node=choice.node,
-        walk=choice.walk,
-        path_length=choice.path_length,
-        part=choice.part,
-        time_scale=choice.time_scale,
-        candidates=choice.candidates,
-        dropped=choice.dropped,
-        energy=choice.energy,
-        clearance_m=exact,
-        clear_until=choice.clear_until,
-        crop=choice.crop,
-        motion=motion,
-        trace=trace,
-    )
+    chosen = {field.name: getattr(choice, field.name) for field in fields(choice)}
+    chosen |= {"status": status, "clearance_m": exact}
+    return Selection(**chosen, motion=motion, trace=trace)

@@ -13,7 +13,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mgjax.avoidance.attack import AWAY_M, Attack, ball_attack, crop_attack, validate_attack
-from mgjax.avoidance.attack_sources import limb_attack, load_attack, merge_attacks
+from mgjax.avoidance.attack_file import load_attack
+from mgjax.avoidance.attack_limb import limb_attack
+from mgjax.avoidance.attack_merge import merge_attacks
 from mgjax.avoidance.check import FAR, clearance, trace_motion, walk_motion
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.selection import select
