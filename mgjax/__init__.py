@@ -18,7 +18,7 @@ _HOMES = {
     "load_motion": "mgjax.io.load",
     "save_bvh": "mgjax.io.bvh_write",
 }
-_ROOMS = ("core", "io", "clips", "graph", "avoidance")
+_ROOMS = ("core", "io", "clips", "graph", "avoidance", "ballsport", "hybrid")
 __all__ = [*_HOMES, *_ROOMS, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
 
 
