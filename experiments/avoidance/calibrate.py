@@ -21,7 +21,8 @@ from tqdm import tqdm
 from mgjax.avoidance.attack import Attack, ball_attack, crop_attack
 from mgjax.avoidance.candidates import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
-from mgjax.avoidance.evaluate import device_tables, judge
+from mgjax.avoidance.device_tables import search_tables
+from mgjax.avoidance.evaluate import judge
 from mgjax.avoidance.selection import select
 from mgjax.avoidance.tables import edge_tables
 from mgjax.avoidance.time_scale import OK
@@ -51,7 +52,7 @@ def penetrations(graph: MotionGraph, balls: list[tuple[int, Attack]], form: Any)
     config = AvoidanceConfig()
     config = replace(config, energy=replace(config.energy, form=form))
     tables = edge_tables(graph, config.body_rate)
-    device = device_tables(tables, config.speed)
+    _, device = search_tables(graph, config.body_rate, config.speed)
     found: list[np.ndarray] = []
     for node, attack in tqdm(balls, desc=f"e' ({form})", leave=False):
         crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
@@ -61,9 +62,8 @@ def penetrations(graph: MotionGraph, balls: list[tuple[int, Attack]], form: Any)
             graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
         )
         if len(candidates.length):
-            judged = judge(
-                tables, device, candidates, attack, crop, config, frame_rate=graph.frame_rate
-            )
+            rate = graph.frame_rate
+            judged = judge(device, candidates, attack, crop, config, frame_rate=rate)
             clear = (judged["status"] == OK) & (judged["d"] >= 0)
             found.append(judged["penetration"][clear])
     return np.concatenate(found) if found else np.zeros(0)

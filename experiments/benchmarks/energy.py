@@ -28,8 +28,8 @@ def problem(attack_spheres: int = 1, *, seed: int = 0) -> tuple[jax.Array, ...]:
     t = np.linspace(-1.0, 1.0, TIMES)
     attack = np.zeros((3, TIMES, attack_spheres))
     attack[0] = 10.0 * t[:, None] + 0.1 * np.arange(attack_spheres)
-    drift = np.cumsum(rng.normal(scale=0.02, size=(3, TIMES, 1, CANDIDATES)), axis=1)
-    body = rng.normal(scale=0.4, size=(3, 1, SPHERES, CANDIDATES)) + drift
+    drift = np.cumsum(rng.normal(scale=0.02, size=(3, TIMES, CANDIDATES, 1)), axis=1)
+    body = rng.normal(scale=0.4, size=(3, 1, CANDIDATES, SPHERES)) + drift
     first = rng.integers(5, 20, CANDIDATES)
     index = np.arange(TIMES)[:, None]
     arrays = (

@@ -11,7 +11,7 @@ from typing import Any
 _HOMES = {
     "Attack": "mgjax.avoidance.attack",
     "AvoidanceConfig": "mgjax.avoidance.config",
-    "Choice": "mgjax.avoidance.choice",
+    "Choice": "mgjax.avoidance.answer",
     "Energies": "mgjax.avoidance.energy",
     "EnergyConfig": "mgjax.avoidance.energy",
     "Planner": "mgjax.avoidance.planner",

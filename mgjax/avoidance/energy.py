@@ -58,6 +58,7 @@ def energies(
     *,
     dt: Float[Array, ""] | float,
     config: EnergyConfig,
+    attack_present: Bool[Array, "T I"] | None = None,
 ) -> Energies:
     """Energies of one path against one attack (eqs 4–8); see :func:`energies_batch`.
 
@@ -71,6 +72,7 @@ def energies(
         active_mask: times at which the attack is there.
         dt: interval of the evaluated times, s.
         config: forms, scales and weights.
+        attack_present: times at which each of the attack's spheres is there; default: always.
 
     Returns:
         Energies with scalar fields.
@@ -78,13 +80,14 @@ def energies(
     batch = energies_batch(
         jnp.moveaxis(jnp.asarray(attack_centres), -1, 0),
         attack_radii,
-        jnp.moveaxis(jnp.asarray(body_centres), -1, 0)[..., None],
+        jnp.moveaxis(jnp.asarray(body_centres), -1, 0)[:, :, None],
         body_radii,
-        jnp.moveaxis(jnp.asarray(start_centres), -1, 0)[..., None],
+        jnp.moveaxis(jnp.asarray(start_centres), -1, 0)[:, None],
         jnp.asarray(avoidance_mask)[:, None],
         jnp.asarray(active_mask)[:, None],
         dt=dt,
         config=config,
+        attack_present=attack_present,
     )
     return jax.tree.map(lambda field: field[0], batch)
 
@@ -93,14 +96,15 @@ def energies(
 def energies_batch(
     attack_centres: Float[Array, "3 T I"],
     attack_radii: Float[Array, " I"],
-    body_centres: Float[Array, "3 T S C"],
+    body_centres: Float[Array, "3 T C S"],
     body_radii: Float[Array, " S"],
-    start_centres: Float[Array, "3 S C"],
+    start_centres: Float[Array, "3 C S"],
     avoidance_mask: Bool[Array, "T C"],
     active_mask: Bool[Array, "T C"],
     *,
     dt: Float[Array, ""] | float,
     config: EnergyConfig,
+    attack_present: Bool[Array, "T I"] | None = None,
     swept: bool = True,
 ) -> Energies:
     """Energies of many candidates against one attack (Oshita & Masaoka 2011, eqs 4–8).
@@ -132,12 +136,13 @@ def energies_batch(
         attack_centres: centres of the attack's spheres, world, m.
         attack_radii: their radii, m.
         body_centres: centres of each candidate's body spheres, world, m.
-        body_radii: their radii, the same for all candidates, m.
+        body_radii: their radii, the same for all candidates, m; far below 0 for padding.
         start_centres: the body's spheres at t0, the start of each avoidance part, m.
         avoidance_mask: times inside each candidate's avoidance part.
         active_mask: times at which the attack is there.
         dt: interval of the evaluated times, s.
         config: forms, scales and weights.
+        attack_present: times at which each of the attack's spheres is there; default: always.
         swept: without it d and d0 look at the sampled times only. They are then upper bounds, by at
             most half the largest relative displacement of one interval: a negative one is a hit.
             The sweep does not even double the time, so sorting out the candidates that need it does
@@ -162,9 +167,10 @@ def energies_batch(
         active=active,
         scored=avoidance & active,
     )
-    attack = _float32(attack_centres), _float32(attack_radii)
-    moved, d, d0 = over_attack(config.form, swept, paths, *attack)
-    met = jnp.any(active, axis=0)
+    centres, radii = _float32(attack_centres), _float32(attack_radii)
+    present = jnp.ones(centres.shape[1:], bool) if attack_present is None else attack_present
+    moved, d, d0 = over_attack(config.form, swept, paths, centres, radii, jnp.asarray(present))
+    met = jnp.any(active & jnp.any(present, axis=1)[:, None], axis=0)
     d, d0 = jnp.where(met, d, FAR), jnp.where(met, d0, FAR)
     penetration = moved * _float32(dt)
     return Energies(

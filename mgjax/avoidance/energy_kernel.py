@@ -1,8 +1,8 @@
 """The loops over attack spheres, times and body spheres that the energies are made of.
 
-Arrays have the components outermost and the candidates last, and time is streamed: per pair of
-spheres one sum and two smallest *squared* distances are kept, so a root is taken once per pair and
-not once per time.
+Arrays have the components outermost and the body's spheres last, as the tables of body volumes have
+them, and time is streamed: per pair of spheres one sum and two smallest *squared* distances are
+kept, so a root is taken once per pair and not once per time.
 
 The counterfactual body, which stops moving when the avoidance begins, is a second body whose
 spheres are those of the first until then. While the avoidance lasts it stands at t0, so it serves
@@ -27,7 +27,7 @@ FAR = 1e6
 _TINY = 1e-20
 """Squared length under which two points coincide or a sphere stands still, m²."""
 
-WIDE = 64
+WIDE = 8
 """Candidates from which straight code over time pays for its compilation."""
 
 _STRAIGHT = 128
@@ -42,10 +42,10 @@ Totals: TypeAlias = tuple[Array, Array, Array]
 
 
 class Paths(NamedTuple):
-    """The candidates, as the kernel reads them."""
+    """The candidates, as the kernel reads them. Spheres with a radius below 0 are padding."""
 
-    centres: Float[Array, "3 T S C"]
-    start: Float[Array, "3 S C"]
+    centres: Float[Array, "3 T C S"]
+    start: Float[Array, "3 C S"]
     radii: Float[Array, " S"]
     frozen: Bool[Array, "T C"]
     active: Bool[Array, "T C"]
@@ -53,26 +53,39 @@ class Paths(NamedTuple):
 
 
 class _Sums(NamedTuple):
-    """What one pass over time keeps, per body sphere and candidate."""
+    """What one pass over time keeps, per candidate and body sphere."""
 
-    moved: Float[Array, "S C"]
-    nearest: Float[Array, "S C"]
-    nearest0: Float[Array, "S C"]
+    moved: Float[Array, "C S"]
+    nearest: Float[Array, "C S"]
+    nearest0: Float[Array, "C S"]
     last: Vector
     last0: Vector
-    active: Bool[Array, "1 C"]
+    active: Bool[Array, "C 1"]
 
 
-def over_attack(form: str, swept: bool, paths: Paths, centres: Array, radii: Array) -> Totals:
+def over_attack(
+    form: str,
+    swept: bool,
+    paths: Paths,
+    centres: Float[Array, "3 T I"],
+    radii: Float[Array, " I"],
+    present: Bool[Array, "T I"],
+) -> Totals:
     """(e'/Δt, d, d0) over all attack spheres, one after the other."""
     times, candidates = paths.active.shape
     wide = candidates >= WIDE and times <= _STRAIGHT
     over_time = partial(_over_time_wide if wide else _over_time, form, swept)
 
     def step(totals, sphere):
-        return _join(totals, over_time(paths, *sphere)), None
+        centre, radius, there = sphere
+        both = there[:, None]
+        masked = paths._replace(active=paths.active & both, scored=paths.scored & both)
+        return _join(totals, over_time(masked, centre, radius)), None
 
-    return lax.scan(step, _no_totals(paths), (jnp.moveaxis(centres, 2, 0), radii))[0]
+    spheres = (jnp.moveaxis(centres, 2, 0), radii, present.T)
+    if centres.shape[2] == 1:
+        return step(_no_totals(paths), tuple(x[0] for x in spheres))[0]
+    return lax.scan(step, _no_totals(paths), spheres)[0]
 
 
 def _over_time(
@@ -129,9 +142,9 @@ def _time_step(
     """Adds one time to the sums."""
     attack, body = _at(sphere, t, 1), _at(paths.centres, t, 1)
     masks = (paths.active, paths.frozen, paths.scored)
-    active, frozen, scored = (_at(mask, t, 0)[None] for mask in masks)
+    active, frozen, scored = (_at(mask, t, 0)[:, None] for mask in masks)
     now, held = _relative(attack, body), _relative(attack, paths.start)
-    # Chosen after the subtraction, component by component: a choice between [3, S, C] arrays is
+    # Chosen after the subtraction, component by component: a choice between [3, C, S] arrays is
     # not vectorised.
     now0 = tuple(jnp.where(frozen, h, n) for h, n in zip(held, now, strict=True))
     square, square0 = _squared(now), _squared(now0)
@@ -154,27 +167,22 @@ def _time_step(
 def _no_sums(paths: Paths) -> _Sums:
     zero = jnp.zeros_like(paths.start[0])
     far, still = jnp.full_like(zero, FAR**2), (zero, zero, zero)
-    inactive = jnp.zeros_like(paths.active[:1])
+    inactive = jnp.zeros_like(paths.active[0])[:, None]
     return _Sums(moved=zero, nearest=far, nearest0=far, last=still, last0=still, active=inactive)
 
 
 def _over_body(sums: _Sums, paths: Paths, radius: Array) -> Totals:
-    """(e'/Δt, d, d0) over the body spheres.
-
-    A loop, not a reduction: a reduction would be fused with the whole sum over time before it,
-    which then runs candidate by candidate instead of along the candidates.
-    """
-
-    def step(totals, sphere):
-        moved, square, square0, reach = sphere
-        return _join(totals, (moved, _distance(square) - reach, _distance(square0) - reach)), None
-
-    rows = (sums.moved, sums.nearest, sums.nearest0, _reach(paths, radius))
-    return lax.scan(step, _no_totals(paths), rows)[0]
+    """(e'/Δt, d, d0) over the body spheres."""
+    reach = _reach(paths, radius)
+    sums = lax.optimization_barrier(sums)
+    nearest = jnp.min(_distance(sums.nearest) - reach, axis=1)
+    nearest0 = jnp.min(_distance(sums.nearest0) - reach, axis=1)
+    moved = jnp.where(paths.radii[None] >= 0, sums.moved, 0.0)
+    return jnp.sum(moved, axis=1), nearest, nearest0
 
 
 def _no_totals(paths: Paths) -> Totals:
-    far = jnp.full_like(paths.start[0, 0], FAR)
+    far = jnp.full_like(paths.start[0, :, 0], FAR)
     return jnp.zeros_like(far), far, far
 
 
@@ -183,8 +191,8 @@ def _join(one: Totals, other: Totals) -> Totals:
 
 
 def _reach(paths: Paths, radius: Array) -> Array:
-    """[S,1] distance of the centres at which the attack sphere touches each body sphere."""
-    return (paths.radii + radius)[:, None]
+    """[1,S] distance of the centres at which the attack sphere touches each body sphere."""
+    return (paths.radii + radius)[None]
 
 
 def _at(array: Array, t: int | Array, axis: int) -> Array:
@@ -193,7 +201,7 @@ def _at(array: Array, t: int | Array, axis: int) -> Array:
     return lax.dynamic_index_in_dim(array, t, axis, keepdims=False)
 
 
-def _relative(sphere: Float[Array, "3"], body: Float[Array, "3 S C"]) -> Vector:
+def _relative(sphere: Float[Array, "3"], body: Float[Array, "3 C S"]) -> Vector:
     """Vectors from the body spheres to the attack sphere."""
     return sphere[0] - body[0], sphere[1] - body[1], sphere[2] - body[2]
 

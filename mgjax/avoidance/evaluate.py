@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import jax
@@ -11,24 +11,59 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from mgjax.avoidance.attack import Attack, Crop
+from mgjax.avoidance.body_reader import find, is_over, lay, spheres_at
 from mgjax.avoidance.candidates import NO_EDGE, Candidates
-from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
+from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
+from mgjax.avoidance.device_tables import DeviceTables
 from mgjax.avoidance.energy import Energies, energies_batch, time_scale_energy, total_energy
-from mgjax.avoidance.tables import EdgeTables, speed_classes
-from mgjax.avoidance.time_scale import Timing, time_scale
-from mgjax.core import planar
+from mgjax.avoidance.time_scale import OK, PADDING, Timing, time_scale
 from mgjax.core.arrays import Array
-from mgjax.core.padding import bucket_size, pad_axis
+from mgjax.core.padding import bucket_size
 from mgjax.core.pytree import register
 
 TILE = 128
-"""Candidates judged in one call: their volumes then stay in the cache."""
+"""Candidates judged together: their volumes then stay in the cache."""
+
+SIZES = (8, 32, TILE)
+"""Numbers of candidates that a call is compiled for; then 1024, 4096, …"""
+
+LENGTH = 32
+"""Edges of a walk that a call is compiled for, and twice as many, …"""
+
+TIMES = 24
+"""Times that a call is compiled for, and twice as many, …"""
+
+UNLIMITED = 1e6
+"""Largest time scale where the configuration sets no limit."""
+
+
+@register()
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """An attack as the search reads it, at evenly spaced times; time counts from the walk's start.
+
+    Attributes:
+        t_attack: the time of the attack, s.
+        times, active: evaluated times, and which of them count. [T]
+        centres: of the attack's spheres, m. [3, T, I]
+        present: which spheres are there. [T, I]
+        radii: m. [I]
+        dt: interval of the times, s.
+    """
+
+    t_attack: Float[Array, ""]
+    times: Float[Array, " T"]
+    active: Bool[Array, " T"]
+    centres: Float[Array, "3 T I"]
+    present: Bool[Array, "T I"]
+    radii: Float[Array, " I"]
+    dt: Float[Array, ""]
 
 
 @register()
 @dataclass(frozen=True, kw_only=True)
 class Judged:
-    """What is known of each candidate. Fields are [C]; ``scales`` is [C, L]."""
+    """What is known of each candidate. Fields are [C], those of ``timing`` also [C, L]."""
 
     timing: Timing
     energies: Energies
@@ -36,71 +71,20 @@ class Judged:
     total: Float[Array, " C"]
 
 
-@register()
-@dataclass(frozen=True, kw_only=True)
-class DeviceTables:
-    """The part of :class:`EdgeTables` that the jitted search reads."""
-
-    seconds: Float[Array, " E"]
-    step: Float[Array, "E 3"]
-    pool: Float[Array, "P K"]
-    pool_first: Int[Array, " E"]
-    pool_steps: Int[Array, " E"]
-    slow_down: Bool[Array, " E"]
-    speed_up: Bool[Array, " E"]
-    part_start: Float[Array, " A"]
-    part_stop: Float[Array, " A"]
-    part_centre: Float[Array, " A"]
-    radii: Float[Array, " S"]
-
-
-def device_tables(tables: EdgeTables, speed: SpeedConfig) -> DeviceTables:
-    """Puts the tables into jax arrays of 32 bits, padded so that few graphs compile anew."""
-    slow_down, speed_up = speed_classes(tables.top_speed, speed)
-
-    def padded(x: np.ndarray, kind: type, least: int) -> jax.Array:
-        return jnp.asarray(pad_axis(x.astype(kind), bucket_size(len(x), least), value=0))
-
-    edges = {
-        "seconds": (tables.seconds, np.float32),
-        "step": (tables.step, np.float32),
-        "pool_first": (tables.pool_first, np.int32),
-        "pool_steps": (tables.pool_steps, np.int32),
-        "slow_down": (slow_down, np.bool_),
-        "speed_up": (speed_up, np.bool_),
-    }
-    parts = {
-        "part_start": tables.part_start,
-        "part_stop": tables.part_stop,
-        "part_centre": tables.part_centre,
-    }
-    return DeviceTables(
-        pool=padded(tables.pool, np.float32, 1 << 15),
-        radii=jnp.asarray(tables.spheres.radii, dtype=jnp.float32),
-        **{name: padded(x, kind, 1 << 12) for name, (x, kind) in edges.items()},
-        **{name: padded(x, np.float32, 128) for name, x in parts.items()},
-    )
-
-
-@partial(jax.jit, static_argnames=("half_frame", "limit_scale"))
-def _judge(
+def judge_tile(
     tables: DeviceTables,
     edges: Int[Array, "C L"],
     length: Int[Array, " C"],
     part: Int[Array, " C"],
-    t_attack: Float[Array, ""],
-    times: Float[Array, " T"],
-    active: Bool[Array, " T"],
-    attack_centres: Float[Array, "3 T I"],
-    attack_radii: Float[Array, " I"],
-    dt: Float[Array, ""],
+    problem: Problem,
     config: EnergyConfig,
     *,
     half_frame: float,
     limit_scale: bool,
 ) -> Judged:
+    """Timing and energies of some candidates (§4.1, §4.2); ``length`` 0 is padding."""
     inside = jnp.maximum(edges, 0)
-    limit = jnp.asarray(config.E_time if limit_scale else 1e6, dtype=jnp.float32)
+    limit = jnp.asarray(config.E_time if limit_scale else UNLIMITED, dtype=jnp.float32)
     timing = jax.vmap(
         partial(time_scale, half_frame=half_frame, limit=limit), in_axes=(0, 0, 0, 0, 0, None)
     )(
@@ -109,30 +93,30 @@ def _judge(
         tables.speed_up[inside],
         length,
         tables.part_centre[part],
-        t_attack,
+        problem.t_attack,
     )
-    lasts = jnp.where(edges == NO_EDGE, 0.0, tables.seconds[inside] * timing.scales)
-    ends = jnp.cumsum(lasts, axis=1)
-    begins = ends - lasts
-    places = _chain(jnp.where((edges == NO_EDGE)[..., None], 0.0, tables.step[inside]))
+    timing = replace(timing, status=jnp.where(length > 0, timing.status, PADDING))
+    laid = lay(tables, edges, timing.scales)
+    last = jnp.maximum(length - 1, 0)
     rows = jnp.arange(edges.shape[0])
-    last = length - 1
-    t0 = begins[rows, last] + tables.part_start[part] * timing.scales[rows, last]
-    t1 = begins[rows, last] + tables.part_stop[part] * timing.scales[rows, last]
-    read = partial(_body, tables, edges, timing.scales, begins, ends, places)
-    body = read(times[:, None])
-    start = read(t0[None, :])[:, 0]
-    walking = times[:, None] <= ends[rows, last][None, :]
+    begin, scale = laid.begins[rows, last], timing.scales[rows, last]
+    t0 = (begin + tables.part_start[part] * scale)[None]
+    t1 = (begin + tables.part_stop[part] * scale)[None]
+    times = jnp.broadcast_to(problem.times[:, None], (problem.times.shape[0], edges.shape[0]))
+    # The pose at t0 is one more time.
+    where = find(tables, laid, jnp.concatenate([times, t0]))
+    body = jnp.stack(spheres_at(tables, where))
     found = energies_batch(
-        attack_centres,
-        attack_radii,
-        body,
+        problem.centres,
+        problem.radii,
+        body[:, :-1],
         tables.radii,
-        start,
-        (times[:, None] >= t0[None, :]) & (times[:, None] < t1[None, :]),
-        active[:, None] & walking,
-        dt=dt,
+        body[:, -1],
+        (times >= t0) & (times < t1),
+        problem.active[:, None] & ~is_over(laid, times),
+        dt=problem.dt,
         config=config,
+        attack_present=problem.present,
     )
     timescale = time_scale_energy(timing.s_time, config.E_time)
     return Judged(
@@ -143,46 +127,65 @@ def _judge(
     )
 
 
-def _chain(steps: Float[Array, "C L 3"]) -> Float[Array, "C L 3"]:
-    """Planar frame at the beginning of each edge, in the frame of the first node."""
-    return jax.lax.associative_scan(
-        planar.compose,
-        jnp.concatenate([jnp.zeros_like(steps[:, :1]), steps[:, :-1]], axis=1),
-        axis=1,
-    )
-
-
-def _body(
+def judge_all(
     tables: DeviceTables,
     edges: Int[Array, "C L"],
-    scales: Float[Array, "C L"],
-    begins: Float[Array, "C L"],
-    ends: Float[Array, "C L"],
-    places: Float[Array, "C L 3"],
-    times: Float[Array, "T C1"],
-) -> Float[Array, "3 T S C"]:
-    """Sphere centres of each candidate at times on its path; its last pose is held after it."""
-    count, longest = edges.shape
-    when = jnp.broadcast_to(times, (times.shape[0], count))
-    slot = jnp.sum(when[..., None] >= ends[None], axis=-1)
-    slot = jnp.minimum(slot, jnp.sum(edges != NO_EDGE, axis=1)[None] - 1)
-    slot = jnp.clip(slot, 0, longest - 1)
-    candidate = jnp.arange(count)[None, :]
-    edge = jnp.maximum(edges[candidate, slot], 0)
-    natural = (when - begins[candidate, slot]) / scales[candidate, slot]
-    steps = tables.pool_steps[edge]
-    position = natural / jnp.maximum(tables.seconds[edge], 1e-6) * steps.astype(jnp.float32)
-    position = jnp.clip(position, 0.0, steps.astype(jnp.float32))
-    low = jnp.minimum(position.astype(jnp.int32), steps - 1)
-    share = (position - low.astype(jnp.float32))[..., None]
-    row = tables.pool_first[edge] + low
-    local = tables.pool[row] * (1 - share) + tables.pool[row + 1] * share
-    local = jnp.moveaxis(local, -1, 0).reshape(3, -1, *when.shape)  # [3, S, T, C]
-    place = places[candidate, slot]
-    c, s = jnp.cos(place[..., 0])[None], jnp.sin(place[..., 0])[None]
-    x, y, z = local
-    world = jnp.stack([x * c + z * s + place[None, ..., 1], y, z * c - x * s + place[None, ..., 2]])
-    return jnp.moveaxis(world, 1, 2)
+    length: Int[Array, " C"],
+    part: Int[Array, " C"],
+    problem: Problem,
+    config: EnergyConfig,
+    *,
+    half_frame: float,
+    limit_scale: bool,
+) -> Judged:
+    """The same for any number of candidates: up to a tile, or a multiple of one.
+
+    Tiles without candidates are left out, so a large array of few candidates costs little.
+    """
+    one = partial(
+        judge_tile,
+        tables,
+        problem=problem,
+        config=config,
+        half_frame=half_frame,
+        limit_scale=limit_scale,
+    )
+    if len(edges) <= TILE:
+        return one(edges, length, part)
+    nothing = jax.tree.map(
+        lambda x: jnp.zeros((len(edges), *x.shape[1:]), x.dtype),
+        jax.eval_shape(one, edges[:TILE], length[:TILE], part[:TILE]),
+    )
+    nothing = replace(
+        nothing, timing=replace(nothing.timing, status=jnp.full_like(length, PADDING))
+    )
+
+    def step(tile: Array, found: Judged) -> Judged:
+        cut = [jax.lax.dynamic_slice_in_dim(x, tile * TILE, TILE) for x in (edges, length, part)]
+        return jax.tree.map(
+            lambda whole, part: jax.lax.dynamic_update_slice_in_dim(whole, part, tile * TILE, 0),
+            found,
+            one(*cut),
+        )
+
+    tiles = (jnp.sum((length > 0).astype(jnp.int32)) + TILE - 1) // TILE
+    return jax.lax.fori_loop(0, tiles, step, nothing)
+
+
+def ranking(judged: Judged) -> Int[Array, " C"]:
+    """Candidates in the order of their energy; those that seem to be hit after them, then the rest.
+
+    The volumes that rank are samples, so a small penetration there is not yet a hit: such
+    candidates follow, the least touched first, and the exact check decides on all. Last are those
+    that cannot be timed. Ties go to the lower number.
+    """
+    d = judged.energies.d
+    usable = judged.timing.status == OK
+    group = jnp.where(usable, jnp.where(d < 0, 1, 0), 2)
+    return jnp.lexsort((jnp.where(d < 0, -d, judged.total), group))
+
+
+_judge = jax.jit(judge_all, static_argnames=("half_frame", "limit_scale"))
 
 
 def evaluation_times(attack: Attack, crop: Crop, config: AvoidanceConfig) -> np.ndarray:
@@ -193,8 +196,37 @@ def evaluation_times(attack: Attack, crop: Crop, config: AvoidanceConfig) -> np.
     return np.linspace(crop.start, crop.end, max(count, 2))
 
 
+def make_problem(attack: Attack, crop: Crop, config: AvoidanceConfig) -> Problem:
+    """The attack at the evaluated times, padded to one of few sizes."""
+    times = evaluation_times(attack, crop, config)
+    size = bucket_size(len(times), TIMES)
+    # Padded by the last time: the same places, and not active.
+    padded = np.full(size, times[-1])
+    padded[: len(times)] = times
+    centres = attack.at(padded)
+    return Problem(
+        t_attack=np.asarray(crop.middle, dtype=np.float32),
+        times=padded.astype(np.float32),
+        active=np.arange(size) < len(times),
+        centres=np.ascontiguousarray(np.moveaxis(centres, -1, 0), dtype=np.float32),
+        present=attack.active(padded),
+        radii=attack.radii.astype(np.float32),
+        dt=np.asarray(times[1] - times[0], dtype=np.float32),
+    )
+
+
+def pad_candidates(candidates: Candidates) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Edges, lengths and parts, padded to few sizes; a padded candidate has no edges."""
+    count, longest = candidates.edges.shape
+    size = next((s for s in SIZES if count <= s), 0) or bucket_size(count, 8 * TILE, 4)
+    edges = np.full((size, bucket_size(longest, LENGTH)), NO_EDGE, np.int32)
+    edges[:count, :longest] = candidates.edges
+    length, part = np.zeros(size, np.int32), np.zeros(size, np.int32)
+    length[:count], part[:count] = candidates.length, candidates.part
+    return edges, length, part
+
+
 def judge(
-    tables: EdgeTables,
     device: DeviceTables,
     candidates: Candidates,
     attack: Attack,
@@ -203,46 +235,31 @@ def judge(
     *,
     frame_rate: float,
 ) -> dict[str, np.ndarray]:
-    """Energies and timing of all candidates, as NumPy arrays by name.
+    """Energies and timing of all candidates, as NumPy arrays by name; ``order`` ranks them.
 
     The attack is in the planar frame of the node at which the walks begin, and time counts from
     there. Shapes are padded to a few sizes, so that attacks do not compile anew.
     """
-    times = evaluation_times(attack, crop, config)
-    # Few sizes: every combination of them is compiled once.
-    size = bucket_size(len(times), 24)
-    active = np.arange(size) < len(times)
-    centres = np.moveaxis(attack.at(times), -1, 0)
-    padded = pad_axis(centres, size, axis=1).astype(np.float32)
-    longest = bucket_size(candidates.edges.shape[1], 16, 4)
-    edges = pad_axis(candidates.edges, longest, axis=1, value=NO_EDGE).astype(np.int32)
-    count = len(edges)
-    tile = min(bucket_size(count, 16, 8), TILE)
-    parts: list[dict[str, np.ndarray]] = []
-    for first in range(0, count, tile):
-        chunk = [
-            pad_axis(x[first : first + tile].astype(np.int32), tile)
-            for x in (edges, candidates.length, candidates.part)
-        ]
-        judged = _judge(
-            device,
-            *chunk,
-            np.float32(crop.middle),
-            pad_axis(times, size).astype(np.float32),
-            active,
-            padded,
-            attack.radii.astype(np.float32),
-            np.float32(times[1] - times[0]),
-            config.energy,
-            half_frame=0.5 / frame_rate,
-            limit_scale=config.limit_scale,
-        )
-        parts.append(_flatten(judged))
-    return {name: np.concatenate([p[name] for p in parts])[:count] for name in parts[0]}
+    judged = _judge(
+        device,
+        *pad_candidates(candidates),
+        make_problem(attack, crop, config),
+        config.energy,
+        half_frame=0.5 / frame_rate,
+        limit_scale=config.limit_scale,
+    )
+    count = len(candidates.length)
+    found = {name: np.asarray(value)[:count] for name, value in by_name(judged).items()}
+    usable = found["status"] == OK
+    d = found["d"]
+    keys = (np.where(d < 0, -d, found["total"]), d < 0, ~usable)
+    found["order"] = np.lexsort(keys)[: int(usable.sum())]
+    return found
 
 
-def _flatten(judged: Judged) -> dict[str, np.ndarray]:
-    values = {
+def by_name(judged: Judged) -> dict[str, Array]:
+    """All fields."""
+    return {
         "s_time": judged.timing.s_time,
         "scales": judged.timing.scales,
         "status": judged.timing.status,
@@ -254,4 +271,3 @@ def _flatten(judged: Judged) -> dict[str, np.ndarray]:
         "timescale": judged.timescale,
         "total": judged.total,
     }
-    return {name: np.asarray(value) for name, value in values.items()}

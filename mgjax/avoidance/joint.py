@@ -12,10 +12,12 @@ from jaxtyping import Float
 from mgjax.avoidance.attack import Attack, crop_attack
 from mgjax.avoidance.candidates import enumerate_candidates
 from mgjax.avoidance.check import CLEAR_M, EXPORT_RATE, clearance, trace_motion
-from mgjax.avoidance.choice import choose, play_on, ranking, search_tables
+from mgjax.avoidance.choice import choose
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.evaluate import judge
 from mgjax.avoidance.exact import clearance_between
+from mgjax.avoidance.follow import play_on
 from mgjax.avoidance.playback import Piece
 from mgjax.avoidance.volumes import preset_spheres
 from mgjax.core import planar
@@ -99,8 +101,8 @@ def _clear_of_all(
     )
     if not len(found.length):
         return None
-    judged = judge(tables, device, found, attack, crop, config, frame_rate=graph.frame_rate)
-    for index in ranking(judged)[: config.checks]:
+    judged = judge(device, found, attack, crop, config, frame_rate=graph.frame_rate)
+    for index in judged["order"][: config.checks]:
         length = int(found.length[index])
         path = make_walk(graph, found.edges[index, :length], judged["scales"][index, :length])
         if not _clear(graph, path, others):

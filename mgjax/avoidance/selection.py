@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 
+from mgjax.avoidance.answer import Choice
 from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.check import CLEAR_M, Trace, clearance, trace_motion, walk_motion
-from mgjax.avoidance.choice import Choice, choose
+from mgjax.avoidance.choice import choose
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.grid_index import GridIndex
 from mgjax.avoidance.volumes import preset_spheres

@@ -10,13 +10,14 @@ from jaxtyping import Bool, Float, Int
 from mgjax.core.arrays import Array
 from mgjax.core.pytree import register
 
-OK, NOT_ADJUSTABLE, OUT_OF_RANGE = 0, 1, 2
+OK, NOT_ADJUSTABLE, OUT_OF_RANGE, PADDING = 0, 1, 2, 3
+"""What is known of a candidate: its time scale; none may be scaled; out of range; no candidate."""
 
 
 @register()
 @dataclass(frozen=True, kw_only=True)
 class Timing:
-    """How the edges of one walk are played.
+    """How the edges of one walk, or of many, are played.
 
     Attributes:
         s_time: factor on the duration of the adjustable edges (eq. 3).
@@ -24,9 +25,9 @@ class Timing:
         status: ``OK``, ``NOT_ADJUSTABLE`` or ``OUT_OF_RANGE``.
     """
 
-    s_time: Float[Array, ""]
-    scales: Float[Array, " L"]
-    status: Int[Array, ""]
+    s_time: Float[Array, "*c"]
+    scales: Float[Array, "*c L"]
+    status: Int[Array, "*c"]
 
 
 def time_scale(

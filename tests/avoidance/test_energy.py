@@ -45,10 +45,9 @@ def problem(seed: int, T: int = 9, I: int = 2, S: int = 4, *, spread: float = 0.
 def batched(problems: list[tuple]) -> tuple:
     """The candidates' arrays for the batched kernel; all share the first one's attack."""
     attack, attack_radii, _, body_radii, *_ = problems[0]
-    body, start, avoidance, active = (
-        np.stack([p[k] for p in problems], axis=-1) for k in (2, 4, 5, 6)
-    )
-    body, start = np.moveaxis(body, 2, 0), np.moveaxis(start, 1, 0)
+    avoidance, active = (np.stack([p[k] for p in problems], axis=-1) for k in (5, 6))
+    body = np.moveaxis(np.stack([p[2] for p in problems], axis=1), -1, 0)
+    start = np.moveaxis(np.stack([p[4] for p in problems]), -1, 0)
     return np.moveaxis(attack, 2, 0), attack_radii, body, body_radii, start, avoidance, active
 
 
@@ -193,7 +192,7 @@ def test_gradients_of_wide_batches_are_those_of_single_paths(wide: tuple) -> Non
     gradient = jax.jit(jax.grad(loss_of_one))
     for c, p in enumerate(candidates(energy_kernel.WIDE, T=12, S=3)[:5]):
         wanted = jnp.moveaxis(gradient(p[2], p), -1, 0)
-        np.testing.assert_allclose(got[..., c], wanted, rtol=1e-4, atol=1e-5)
+        np.testing.assert_allclose(got[:, :, c], wanted, rtol=1e-4, atol=1e-5)
 
 
 def test_gradient_agrees_with_differences() -> None:
@@ -242,7 +241,7 @@ def test_padding_changes_nothing(wide: tuple) -> None:
     assert_same(energies(*padded, dt=DT, config=CONFIGS[0]), wanted, atol=1e-6)
 
     attack, attack_radii, body, body_radii, start, avoidance, active = wide
-    body, start = (np.concatenate([a, 0 * a], axis=-1) for a in (body, start))
+    body, start = (np.concatenate([a, 0 * a], axis=-2) for a in (body, start))
     avoidance, active = (np.concatenate([m, m & False], axis=-1) for m in (avoidance, active))
     more = (attack, attack_radii, body, body_radii, start, avoidance, active)
     got = energies_batch(*more, dt=DT, config=CONFIGS[0])
@@ -318,7 +317,7 @@ def test_unswept_distances_bound_the_swept_ones() -> None:
     swept = energies_batch(*arguments, dt=DT, config=config)
     sampled = energies_batch(*arguments, dt=DT, config=config, swept=False)
     relative = arguments[0][:, :, :, None, None] - arguments[2][:, :, None]
-    step = np.linalg.norm(np.diff(relative, axis=1), axis=0).max(axis=(0, 1, 2))
+    step = np.linalg.norm(np.diff(relative, axis=1), axis=0).max(axis=(0, 1, 3))
     assert (np.asarray(sampled.d) >= np.asarray(swept.d) - 1e-6).all()
     assert (np.asarray(sampled.d) <= np.asarray(swept.d) + step / 2 + 1e-6).all()
     np.testing.assert_array_equal(sampled.penetration, swept.penetration)
@@ -358,7 +357,7 @@ def test_a_nan_is_seen(wide: tuple) -> None:
     # Two candidates of many have a NaN at an active time: it must not look like clearance.
     attack, attack_radii, body, body_radii, start, avoidance, active = wide
     body, active = body.copy(), active | True
-    body[0, 5, 1, 3] = body[2, 0, 0, 7] = np.nan
+    body[0, 5, 3, 1] = body[2, 0, 7, 0] = np.nan
     arguments = (attack, attack_radii, body, body_radii, start, avoidance, active)
     got = energies_batch(*arguments, dt=DT, config=EnergyConfig())
     assert np.flatnonzero(np.isnan(got.d)).tolist() == [3, 7]

@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mgjax.avoidance import choice as module
 from mgjax.avoidance.attack import Attack, ball_attack, crop_attack
 from mgjax.avoidance.candidates import Candidates, enumerate_candidates
 from mgjax.avoidance.check import CLEAR_M, FAR, clearance, trace_motion, walk_motion
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
-from mgjax.avoidance.evaluate import device_tables, judge
+from mgjax.avoidance.device_tables import search_tables
+from mgjax.avoidance.evaluate import judge
+from mgjax.avoidance.follow import play_on
 from mgjax.avoidance.selection import Selection, select
 from mgjax.avoidance.tables import edge_tables
 from mgjax.avoidance.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE
@@ -55,9 +56,9 @@ def judged(
     found = enumerate_candidates(
         graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
     )
-    device = device_tables(tables, config.speed)
+    _, device = search_tables(graph, config.body_rate, config.speed)
     rate = graph.frame_rate
-    return found, judge(tables, device, found, attack, crop, config, frame_rate=rate)
+    return found, judge(device, found, attack, crop, config, frame_rate=rate)
 
 
 def test_every_status_occurs(answers: list) -> None:
@@ -153,7 +154,7 @@ def test_the_least_energy_that_passes_wins(any_graph: MotionGraph, answers: list
             trace = trace_motion(any_graph, spheres, walk_motion(any_graph, walk, end), stop=end)
             # It is hit on its path, or wherever it may lead after it.
             if clearance(attack, trace, spheres.radii)[1] >= CLEAR_M:
-                played = module.play_on(any_graph, attack, walk, QUICK)
+                played = play_on(any_graph, attack, walk, QUICK)
                 assert played.clear_until is not None or played.clearance < CLEAR_M
         looked_at += 1
         assert chosen.candidates == len(candidates.length)
@@ -313,16 +314,16 @@ def test_clear_until() -> None:
     graph = make_graph([(0, 1, 30), (1, 0, 20), (1, 1, 25)], [(0, 6, 12)], sway=0.003)
     attack = wall(1.2, 2.0)
     path = make_walk(graph, [0])
-    played = module.play_on(graph, attack, path, QUICK)
+    played = play_on(graph, attack, path, QUICK)
     assert played.clear_until == 1.0
     assert played.walk.edges[0] == 0
     assert float(played.walk.starts(graph)[-1]) >= 2.2
     # A path that is touched itself is not continued with care.
-    touched = module.play_on(graph, wall(0.5, 2.0), path, QUICK)
+    touched = play_on(graph, wall(0.5, 2.0), path, QUICK)
     assert touched.clearance < 0
     assert touched.clear_until is None
     # However far ahead: clear until the edge during which it comes.
-    far = module.play_on(graph, wall(3.5, 6.0), path, QUICK)
+    far = play_on(graph, wall(3.5, 6.0), path, QUICK)
     assert far.clear_until is not None
     assert 2.5 < far.clear_until <= 3.5 + 1e-9
 
@@ -345,7 +346,7 @@ def test_goes_on_where_it_is_clear() -> None:
         )
         assert clearance(attack, traces[own], spheres.radii)[1] < 0
         assert CLEAR_M < clearance(attack, traces[other], spheres.radii)[1] < FAR
-        played = module.play_on(graph, attack, make_walk(graph, [0]), QUICK)
+        played = play_on(graph, attack, make_walk(graph, [0]), QUICK)
         assert played.clear_until is None
         assert played.walk.edges[:2].tolist() == [0, 1 + other]
         assert CLEAR_M < played.clearance < FAR

@@ -86,29 +86,34 @@ def edge_places(graph, edges) -> list[np.ndarray]:
 def body_at(graph, spheres, edges, scales, time) -> np.ndarray:
     """[S,3] spheres at a time on a walk: those of the two nearest frames, linear in between.
 
-    Poses are solved joint by joint; the walk begins at the origin, heading +Z; its last pose is
-    held.
+    After the last frame of an edge comes the first of the next edge. Poses are solved joint by
+    joint; the walk begins at the origin, heading +Z; its last pose is held.
     """
-    begin = 0.0
-    for edge, scale, place in zip(edges, scales, edge_places(graph, edges), strict=True):
+
+    def spheres_of(place: np.ndarray, row: int) -> np.ndarray:
+        pose, _ = kinematics.forward(
+            graph.skeleton.parents,
+            graph.skeleton.offsets,
+            graph.root_translation[row],
+            graph.local_rotations[row],
+        )
+        pose = [kinematics.planar_apply(place, point) for point in pose]
+        return sphere_places(spheres.first, spheres.second, spheres.share, pose)
+
+    places = edge_places(graph, edges)
+    begin, final = 0.0, len(edges) - 1
+    for k, (edge, scale) in enumerate(zip(edges, scales, strict=True)):
         frames = int(graph.edge_stops[edge] - graph.edge_starts[edge])
         last = frames / graph.frame_rate * scale
-        if time < begin + last or edge == edges[-1]:
+        if time < begin + last or k == final:
             where = min((time - begin) / scale * graph.frame_rate, frames)
             low = min(int(where), frames - 1)
             share = where - low
-            ends = []
-            for frame in (low, low + 1):
-                row = int(graph.edge_starts[edge]) + frame
-                pose, _ = kinematics.forward(
-                    graph.skeleton.parents,
-                    graph.skeleton.offsets,
-                    graph.root_translation[row],
-                    graph.local_rotations[row],
-                )
-                pose = [kinematics.planar_apply(place, point) for point in pose]
-                ends.append(sphere_places(spheres.first, spheres.second, spheres.share, pose))
-            return (1 - share) * ends[0] + share * ends[1]
+            row = int(graph.edge_starts[edge]) + low
+            after = (places[k], row + 1)
+            if low == frames - 1 and k < final:
+                after = (places[k + 1], int(graph.edge_starts[edges[k + 1]]))
+            return (1 - share) * spheres_of(places[k], row) + share * spheres_of(*after)
         begin += last
     raise AssertionError("a walk without edges")
 
