@@ -11,6 +11,7 @@ from typing import Any
 _HOMES = {
     "Attack": "mgjax.avoidance.attack",
     "AvoidanceConfig": "mgjax.avoidance.config",
+    "BatchSelection": "mgjax.avoidance.batch",
     "Choice": "mgjax.avoidance.answer",
     "Energies": "mgjax.avoidance.energy",
     "EnergyConfig": "mgjax.avoidance.energy",
@@ -28,6 +29,7 @@ _HOMES = {
     "merge_attacks": "mgjax.avoidance.attack_merge",
     "save_index": "mgjax.avoidance.grid_index",
     "select": "mgjax.avoidance.selection",
+    "select_batch": "mgjax.avoidance.batch",
 }
 __all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
 

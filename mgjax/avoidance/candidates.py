@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from mgjax.avoidance.tables import EdgeTables
 from mgjax.graph.types import MotionGraph
@@ -94,6 +94,14 @@ def enumerate_candidates(
     overflow += max(len(order) - capacity, 0)
     chosen = np.sort(order[:capacity])
     return _walks(found, came_from, via, chosen, overflow)
+
+
+def natural_times(tables: EdgeTables, candidates: Candidates) -> Float[np.ndarray, " C"]:
+    """t_avoid of each candidate at natural speed, s from the beginning of its walk."""
+    column = np.arange(candidates.edges.shape[1])
+    before = column[None] < candidates.length[:, None] - 1
+    seconds = np.where(before, tables.seconds[np.maximum(candidates.edges, 0)], 0.0)
+    return seconds.sum(axis=1) + tables.part_centre[candidates.part]
 
 
 def _expand(

@@ -161,6 +161,7 @@ def certify(
     doubt = jnp.where(unknown, FAR, doubt)
     active = gap < FAR / 2
     least = jnp.where(active, gap - doubt, FAR)
+    most = gap + 2 * flight.sag + doubt
     begin = times[:-1]
     return Bounds(
         edges=edges,
@@ -168,7 +169,7 @@ def certify(
         clearance=jnp.min(gap, axis=0),
         least=jnp.min(least, axis=0),
         doubt_from=jnp.min(jnp.where(least < CLEAR_M, begin, FAR), axis=0),
-        touched_from=jnp.min(jnp.where(active & (gap + doubt < CLEAR_M), begin, FAR), axis=0),
+        touched_from=jnp.min(jnp.where(active & (most < CLEAR_M), begin, FAR), axis=0),
         path_end=path_end,
     )
 

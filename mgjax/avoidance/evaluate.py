@@ -27,7 +27,7 @@ TILE = 128
 SIZES = (8, 32, TILE)
 """Numbers of candidates that a call is compiled for; then 1024, 4096, …"""
 
-LENGTH = 32
+LENGTH = 48
 """Edges of a walk that a call is compiled for, and twice as many, …"""
 
 TIMES = 24
