@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -87,6 +88,7 @@ class Attack:
         stops = np.full(len(self.radii), self.end) if self.stops is None else self.stops
         return (times[:, None] >= starts) & (times[:, None] <= stops)
 
+    @cached_property
     def largest_speed(self) -> float:
         """m/s, over all spheres and knots at which they are there."""
         steps = np.linalg.norm(np.diff(self.centres, axis=0), axis=-1)

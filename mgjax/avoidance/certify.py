@@ -23,8 +23,11 @@ from mgjax.core.arrays import Array
 from mgjax.core.padding import bucket_size
 from mgjax.core.pytree import register
 
-LANES = 16
-"""Walks that are looked at together."""
+LANES = 8
+"""Walks that are looked at with the ranking: the winner is nearly always among the first."""
+
+MORE_LANES = 32
+"""Walks that are looked at together after those."""
 
 FOLLOWING = 8
 """Edges that are played after the path, each the longest that leaves its node."""
@@ -102,7 +105,7 @@ def make_flight(attack: Attack, reach: float) -> Flight:
         centres=np.ascontiguousarray(np.moveaxis(attack.at(times), -1, 0), dtype=np.float32),
         present=present,
         radii=attack.radii.astype(np.float32),
-        margin=np.asarray(reach + attack.largest_speed() * step + 0.1, dtype=np.float32),
+        margin=np.asarray(reach + attack.largest_speed * step + 0.1, dtype=np.float32),
         sag=np.asarray(curve, dtype=np.float32),
     )
 

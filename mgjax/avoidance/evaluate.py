@@ -190,7 +190,7 @@ _judge = jax.jit(judge_all, static_argnames=("half_frame", "limit_scale"))
 
 def evaluation_times(attack: Attack, crop: Crop, config: AvoidanceConfig) -> np.ndarray:
     """Evenly spaced times over the crop, at most min(1/20 s, radius / speed) apart (§4.2)."""
-    quickest = float(attack.radii.min()) / max(attack.largest_speed(), 1e-6)
+    quickest = float(attack.radii.min()) / max(attack.largest_speed, 1e-6)
     step = min(config.evaluation_step_s, quickest)
     count = int(np.ceil((crop.end - crop.start) / step)) + 1
     return np.linspace(crop.start, crop.end, max(count, 2))

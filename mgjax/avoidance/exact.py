@@ -148,7 +148,7 @@ def clearance_between(
     far = attack.at(np.clip(times, attack.start, attack.end)) - root[:, None]
     gap = np.linalg.norm(far, axis=-1) - attack.radii[None, :] - reach
     # Between two frames an attack moves on by at most half its step from the nearer one.
-    step = attack.largest_speed() / CHECK_RATE
+    step = attack.largest_speed / CHECK_RATE
     near = np.flatnonzero(gap.min(axis=1) <= step + 0.05)
     if not near.size:
         return FAR

@@ -67,9 +67,9 @@ def _mark_capsules(
         squared = squared + (middle * middle).reshape(shape)
         along = along + (middle * way[:, axis, None]).reshape(shape)
         key = key * marks.shape[axis]
-        key = key + np.clip(cell - low[axis], 0, marks.shape[axis] - 1).reshape(shape)
+        key = key + _limited(cell - low[axis], 0, marks.shape[axis] - 1).reshape(shape)
     length = np.maximum((way * way).sum(axis=1), 1e-18)[:, None, None, None]
-    share = np.clip(along / length, 0, 1)
+    share = _limited(along / length, 0.0, 1.0)
     squared = squared + share * (share * length - 2 * along)  # from the middle to the segment
     # A ball of half a cell is inside the cell, and one of half of its diagonal around it.
     flat = marks.reshape(-1)
@@ -95,6 +95,11 @@ def _short_pieces(line: Float[np.ndarray, "K 3"]) -> tuple[np.ndarray, np.ndarra
     return start, start + step
 
 
+def _limited(values: np.ndarray, low: float, high: float) -> np.ndarray:
+    """``np.clip`` for small arrays, whose cost is the call."""
+    return np.minimum(np.maximum(values, low), high)
+
+
 def _box_gap(
     start: Float[np.ndarray, "B 3"], way: Float[np.ndarray, "B 3"], corner: Float[np.ndarray, "B 3"]
 ) -> Float[np.ndarray, " B"]:
@@ -104,9 +109,10 @@ def _box_gap(
     planes of the cell's faces, so its derivative is linear there.
     """
     safe = np.where(way == 0, 1.0, way)
-    planes = [np.where(way == 0, 0.0, (corner + f - start) / safe) for f in (0.0, CELL_M)]
+    gap = corner - start
+    planes = [np.where(way == 0, 0.0, (gap + f) / safe) for f in (0.0, CELL_M)]
     ends = np.broadcast_to([0.0, 1.0], (len(start), 2))
-    at = np.sort(np.clip(np.concatenate([*planes, ends], axis=1), 0, 1), axis=1)
+    at = np.sort(_limited(np.concatenate([*planes, ends], axis=1), 0.0, 1.0), axis=1)
 
     def excess(share: np.ndarray) -> np.ndarray:
         x = start[:, None] + share[..., None] * way[:, None] - corner[:, None]

@@ -11,7 +11,7 @@ import numpy as np
 from mgjax.avoidance.answer import Choice, Dropped, Energy
 from mgjax.avoidance.attack import Attack, Crop
 from mgjax.avoidance.candidates import NO_EDGE, Candidates
-from mgjax.avoidance.certify import LANES, Bounds
+from mgjax.avoidance.certify import LANES, MORE_LANES, Bounds
 from mgjax.avoidance.check import CLEAR_M
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.device_tables import search_tables
@@ -100,11 +100,11 @@ def _lanes(
 ) -> Iterator[tuple[int, int, Bounds]]:
     """Candidates in their order, each with its lane in the bounds of some."""
     _, device = search_tables(graph, config.body_rate, config.speed)
-    for first in range(0, len(order), LANES):
-        some = order[first : first + LANES]
+    for first in (0, *range(LANES, len(order), MORE_LANES)):
+        some = order[first : first + MORE_LANES] if first else order[:LANES]
         bounds = found.bounds
         if first:
-            rows = np.resize(some, LANES)  # repeats fill the lanes
+            rows = np.resize(some, MORE_LANES)  # repeats fill the lanes
             bounds = bound(
                 device,
                 task.edges[rows],

@@ -95,7 +95,7 @@ def draw_attack(attack: Attack, crop: Crop) -> Drawn | None:
     """
     seconds = crop.end - crop.start
     bins = max(int(np.ceil(seconds / ATTACK_BIN_S - 1e-6)), 1)
-    farthest = attack.largest_speed() * seconds / bins / float(attack.radii.min())
+    farthest = attack.largest_speed * seconds / bins / float(attack.radii.min())
     pieces = max(int(np.ceil(min(farthest, float(MAX_STAMP)))), 1)
     widths = np.array([float(stamp_width(min(r, 100.0))) for r in attack.radii])
     if bins > MAX_ATTACK_BINS or bins * (pieces + 1) * (widths**2).sum() > MAX_STAMP:

@@ -111,7 +111,7 @@ def _headline(scene: _Scene, number: int, total: int) -> str:
     origin = words[int(((angle + 22.5) % 360) // 45)]
     prefix = f"Ball {number}: " if total > 1 else "Ball "
     text = (
-        f"{prefix}from {origin}, {attack.largest_speed():.0f} m/s, passing at"
+        f"{prefix}from {origin}, {attack.largest_speed:.0f} m/s, passing at"
         f" {scene.t_pass:.2f} s at a height of {_ball_at(scene, scene.t_pass)[1]:.2f} m"
     )
     if chosen.status == "no_candidate":

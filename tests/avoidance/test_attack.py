@@ -62,7 +62,7 @@ def test_launched_when_it_has_to_be() -> None:
     # Held before and after.
     np.testing.assert_allclose(place(attack, 0.0), START, atol=1e-9)
     np.testing.assert_allclose(attack.end, 2.0 + BEYOND_M / 10, atol=1e-9)
-    np.testing.assert_allclose(attack.largest_speed(), 10.0, rtol=1e-6)
+    np.testing.assert_allclose(attack.largest_speed, 10.0, rtol=1e-6)
 
 
 def test_launched_in_the_past() -> None:
@@ -174,10 +174,10 @@ def test_several_spheres_and_one_knot() -> None:
     wanted = [centres[0], centres[:2].mean(0), centres[1:].mean(0), centres[2]]
     np.testing.assert_allclose(got, wanted)
     speeds = np.linalg.norm(np.diff(centres, axis=0), axis=-1) / np.array([[1.0], [2.0]])
-    np.testing.assert_allclose(attack.largest_speed(), speeds.max())
+    np.testing.assert_allclose(attack.largest_speed, speeds.max())
     one = Attack(times=times[:1], centres=centres[:1], radii=attack.radii)
     validate_attack(one)
-    assert one.largest_speed() == 0.0
+    assert one.largest_speed == 0.0
 
 
 @pytest.mark.parametrize("gravity", [False, True])

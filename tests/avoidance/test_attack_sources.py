@@ -294,7 +294,7 @@ def test_merged_by_hand() -> None:
     )
     np.testing.assert_array_equal(both.active(times)[1:6, 0], [1, 1, 1, 1, 0])
     np.testing.assert_array_equal(both.active(times)[1:6, 1], [0, 1, 1, 1, 1])
-    assert both.largest_speed() == 4.0
+    assert both.largest_speed == 4.0
     # Where a sphere is not there it is not close either.
     crop = crop_attack(both, radius=1.0, height=2.3)
     assert crop is not None

@@ -9,7 +9,7 @@ import pytest
 from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.bend import frame_bends, seam_bends
 from mgjax.avoidance.candidates import NO_EDGE
-from mgjax.avoidance.certify import FOLLOWING, LANES, Bounds, certify, make_flight
+from mgjax.avoidance.certify import FOLLOWING, MORE_LANES, Bounds, certify, make_flight
 from mgjax.avoidance.check import CLEAR_M, EXPORT_RATE, FAR
 from mgjax.avoidance.config import SpeedConfig
 from mgjax.avoidance.device_tables import search_tables
@@ -27,7 +27,7 @@ bound = jax.jit(certify, static_argnames=("frame_rate", "window"))
 def random_walks(graph: MotionGraph, rng: np.random.Generator, seconds: float) -> list[Walk]:
     """A lane's worth of walks, some of their edges slowed down or sped up."""
     walks = []
-    for _ in range(LANES):
+    for _ in range(MORE_LANES):
         edges, end = [int(rng.integers(graph.num_edges))], 0.0
         scales: list[float] = []
         while True:
@@ -43,9 +43,9 @@ def random_walks(graph: MotionGraph, rng: np.random.Generator, seconds: float) -
 
 def bounds_of(graph: MotionGraph, walks: list[Walk], attack: Attack, window: int = 256) -> Bounds:
     _, device = search_tables(graph, graph.frame_rate, SpeedConfig())
-    edges = np.full((LANES, 48), NO_EDGE, np.int32)
-    scales = np.ones((LANES, 48), np.float32)
-    length = np.zeros(LANES, np.int32)
+    edges = np.full((MORE_LANES, 48), NO_EDGE, np.int32)
+    scales = np.ones((MORE_LANES, 48), np.float32)
+    length = np.zeros(MORE_LANES, np.int32)
     for lane, walk in enumerate(walks):
         length[lane] = len(walk.edges)
         edges[lane, : length[lane]], scales[lane, : length[lane]] = walk.edges, walk.scales
@@ -79,7 +79,7 @@ def test_the_exact_clearance_lies_within_the_bounds(any_graph: MotionGraph, kind
             attack = throw(rng, speed=speed, gravity=kind == "falling", arrives=0.9)
         attack = replace(attack, centres=attack.centres + np.array([aside, 0.0, aside]))
         bounds = bounds_of(any_graph, random_walks(any_graph, rng, attack.end), attack)
-        for lane in range(LANES):
+        for lane in range(MORE_LANES):
             exact = clearance_between(any_graph, attack, whole_walk(bounds, lane), 0.0, attack.end)
             assert exact >= bounds.least[lane] - 1e-6
             doubted += int(bounds.least[lane] < CLEAR_M and bounds.touched_from[lane] == FAR)

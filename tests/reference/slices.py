@@ -70,7 +70,7 @@ def attack_pixels(attack, crop) -> list[tuple[float, set[Pixel]]]:
     """Middle of each bin of the crop, and the pixels drawn in it."""
     seconds = crop.end - crop.start
     bins = max(math.ceil(seconds / ATTACK_BIN - 1e-6), 1)
-    way = attack.largest_speed() * seconds / bins
+    way = attack.largest_speed * seconds / bins
     pieces = max(math.ceil(way / float(min(attack.radii))), 1)
     found = []
     for number in range(bins):
