@@ -8,25 +8,23 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-import jax
 import numpy as np
 
 from experiments.avoidance.throws import Throws
 from mgjax.avoidance.attack import Attack, Crop, crop_attack
-from mgjax.avoidance.candidates import NO_EDGE, Candidates, enumerate_candidates
+from mgjax.avoidance.candidates import Candidates, enumerate_candidates
 from mgjax.avoidance.check import CLEAR_M
 from mgjax.avoidance.choice import best_of
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.culling import timing_of
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.evaluate import judge
 from mgjax.avoidance.follow import play_on
 from mgjax.avoidance.slices import Form, Slices
 from mgjax.avoidance.slices_cull import cull, overlap_pixels
 from mgjax.avoidance.slices_draw import draw_attack
-from mgjax.avoidance.tables import EdgeTables, speed_classes
-from mgjax.avoidance.time_scale import OK, Timing, time_scale
-from mgjax.core.arrays import Array
-from mgjax.core.padding import bucket_size
+from mgjax.avoidance.tables import EdgeTables
+from mgjax.avoidance.time_scale import OK
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import make_walk
 
@@ -104,33 +102,9 @@ def check_all(scene: Scene, balls: list[Ball], most: int, seed: int) -> dict[str
     return {name: np.array(values, kinds.get(name, np.int64)) for name, values in rows.items()}
 
 
-@partial(jax.jit, static_argnames="half_frame")
-def _time_scale(limit: Array, *walks: Array, half_frame: float) -> Timing:
-    one = partial(time_scale, half_frame=half_frame, limit=limit)
-    return jax.vmap(one, in_axes=(0, 0, 0, 0, 0, None))(*walks)
-
-
 def timed(scene: Scene, ball: Ball) -> tuple[np.ndarray, np.ndarray]:
     """Status and scales of the candidates (eqs 2–3): culling needs to know when edges play."""
-    tables, settings, candidates = scene.tables, scene.settings, ball.candidates
-    slow_down, speed_up = speed_classes(tables.top_speed, settings.speed)
-    count, longest = candidates.edges.shape
-    shape = (bucket_size(count, 32, 4), bucket_size(longest, 16))
-    edges = np.full(shape, NO_EDGE)
-    edges[:count, :longest] = candidates.edges
-    length, part = np.zeros((2, shape[0]), np.int32)
-    length[:count], part[:count] = candidates.length, candidates.part
-    timing = _time_scale(
-        np.float32(settings.energy.E_time if settings.limit_scale else 1e6),
-        tables.seconds[edges].astype(np.float32),
-        slow_down[edges],
-        speed_up[edges],
-        length,
-        tables.part_centre[part].astype(np.float32),
-        np.float32(ball.crop.middle),
-        half_frame=0.5 / scene.graph.frame_rate,
-    )
-    return np.asarray(timing.status)[:count], np.asarray(timing.scales)[:count]
+    return timing_of(scene.graph, ball.candidates, ball.crop, scene.settings)
 
 
 def culled(scene: Scene, ball: Ball, scales: np.ndarray, form: Form) -> Candidates:

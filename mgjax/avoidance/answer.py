@@ -27,12 +27,14 @@ class Dropped:
     """Why candidates were dropped.
 
     Attributes:
+        culled: by slices, before they were judged.
         not_adjustable: no edge may change its speed as needed.
         time_scale: the time scale is not positive, or out of range.
         hit: the exact check found that the attack touches the body.
         overflow: not judged, or not checked exactly, for lack of room.
     """
 
+    culled: int = 0
     not_adjustable: int = 0
     time_scale: int = 0
     hit: int = 0

@@ -88,10 +88,12 @@ def select_batch(
 
     Raises:
         AttackError: an attack is not finite, or begins inside the body.
-        ConfigError: no such node, a setting out of range, or not one node for each attack.
+        ConfigError: no such node, a setting out of range, slices, or not one node for each attack.
     """
     config = config or AvoidanceConfig()
     validate_config(config)
+    if config.culling != "none":
+        raise ConfigError(f"got culling = {config.culling!r}, expected none where attacks are many")
     places = np.asarray(nodes, dtype=np.int64)
     if places.shape != (len(attacks),):
         raise ConfigError(f"got {places.size} nodes for {len(attacks)} attacks, expected one each")
@@ -204,19 +206,20 @@ def _decide(
 ) -> None:
     """Where bounds leave no doubt about the first candidates that is the answer."""
     count = len(questions)
-    usable = np.minimum(np.asarray(found.counts)[:count, OK], config.checks)
+    usable = np.asarray(found.counts)[:count, OK]
+    hopeful = np.minimum(np.maximum(np.asarray(found.hopeful)[:count], 1), config.checks)
     least, clearance, touched_from, path_end = (
         np.asarray(getattr(found.bounds, name))[:count]
         for name in ("least", "clearance", "touched_from", "path_end")
     )
     lanes = least.shape[1]
-    there = np.arange(lanes) < usable[:, None]
+    there = (np.arange(lanes) < hopeful[:, None]) & (usable > 0)[:, None]
     clear = there & (least >= CLEAR_M)
     doubt = there & ~clear & ~(touched_from < path_end)
     first_clear = np.where(clear.any(axis=1), clear.argmax(axis=1), lanes)
     first_doubt = np.where(doubt.any(axis=1), doubt.argmax(axis=1), lanes)
     avoided = first_clear < first_doubt
-    hit = ~clear.any(axis=1) & ~doubt.any(axis=1) & (usable > 0) & (usable <= lanes)
+    hit = ~clear.any(axis=1) & ~doubt.any(axis=1) & (usable > 0) & (hopeful <= lanes)
     nearest = np.where(there, clearance, -np.inf).argmax(axis=1)
     lane = np.where(avoided, np.minimum(first_clear, lanes - 1), nearest)
     rows = np.arange(count)

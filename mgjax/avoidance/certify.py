@@ -23,7 +23,7 @@ from mgjax.core.arrays import Array
 from mgjax.core.padding import bucket_size
 from mgjax.core.pytree import register
 
-LANES = 8
+LANES = 4
 """Walks that are looked at with the ranking: the winner is nearly always among the first."""
 
 MORE_LANES = 32

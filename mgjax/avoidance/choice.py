@@ -8,6 +8,7 @@ from mgjax.avoidance.answer import Choice, Dropped
 from mgjax.avoidance.attack import Attack, Crop, crop_attack
 from mgjax.avoidance.candidates import Candidates, enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.culling import without_culled
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.exact import body_of
 from mgjax.avoidance.follow import idle
@@ -41,23 +42,18 @@ def choose(
     if crop is None:
         return _nothing(graph, node, attack, config, seed)
     found = None if index is None else lookup_candidates(index, node, attack, crop, config)
-    if found is not None and len(found.length):
+    if found is not None:
         settled = best_of(graph, node, attack, crop, found, config)
         if settled.choice is not None and settled.choice.status == "avoided":
             return settled.choice
     found = enumerate_candidates(
         graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
     )
-    dropped = Dropped(overflow=found.overflow)
-    if len(found.length):
-        settled = best_of(graph, node, attack, crop, found, config)
-        if settled.choice is not None:
-            return settled.choice
-        dropped = settled.dropped
-    return replace(
+    settled = best_of(graph, node, attack, crop, found, config)
+    return settled.choice or replace(
         _nothing(graph, node, attack, config, seed),
         candidates=len(found.length) + found.overflow,
-        dropped=dropped,
+        dropped=settled.dropped,
         crop=crop,
     )
 
@@ -85,8 +81,13 @@ def best_of(
     config: AvoidanceConfig,
 ) -> Settled:
     """The best of some candidates that stays clear."""
+    kept, culled = candidates, 0
+    if config.culling != "none":
+        kept, culled = without_culled(graph, candidates, attack, crop, config.culling, config)
+    if not len(kept.length):
+        return Settled(choice=None, dropped=Dropped(culled=culled, overflow=candidates.overflow))
     _, device = search_tables(graph, config.body_rate, config.speed)
-    task = make_task(candidates, attack, crop, config, body_of(graph)[1])
+    task = make_task(kept, attack, crop, config, body_of(graph)[1])
     found = search_one(
         device,
         task.edges,
@@ -99,4 +100,4 @@ def best_of(
         limit_scale=config.limit_scale,
         window=task.window,
     )
-    return settle(graph, node, attack, crop, candidates, task, found, config)
+    return settle(graph, node, attack, crop, kept, task, found, config, culled=culled)

@@ -32,6 +32,10 @@ WINDOWS = (64, 256, 1024)
 """Written frames at which an attack may be near; a call is compiled for each."""
 
 
+HOPELESS_M = 0.02
+"""Sampled volumes that are touched deeper belong to a motion that is hit: they are within
+millimetres of it. Such candidates are not looked at any closer."""
+
 SCORES = ("s_time", "total", "avoidance", "body", "timescale", "penetration", "d", "d0")
 """Columns of :attr:`Found.scores`."""
 
@@ -46,6 +50,7 @@ class Found:
         scales: factor on the duration of each edge. [C, L]
         order: their numbers, the best first; those without a time scale last. [C]
         counts: how many have each status of :mod:`mgjax.avoidance.time_scale`. [4]
+        hopeful: how many of the first are not touched deeper than ``HOPELESS_M``.
         bounds: of the first in that order. [K]
     """
 
@@ -53,6 +58,7 @@ class Found:
     scales: Float[Array, "C L"]
     order: Int[Array, " C"]
     counts: Int[Array, " 4"]
+    hopeful: Int[Array, ""]
     bounds: Bounds
 
 
@@ -94,11 +100,13 @@ def search(
     )
     values = by_name(judged)
     kinds = jnp.arange(PADDING + 1)[:, None]
+    hopeful = usable & (judged.energies.d >= -HOPELESS_M)
     return Found(
         scores=jnp.stack([values[name] for name in SCORES], axis=1),
         scales=judged.timing.scales,
         order=order,
         counts=jnp.sum((judged.timing.status[None] == kinds).astype(jnp.int32), axis=1),
+        hopeful=jnp.sum(hopeful.astype(jnp.int32)),
         bounds=bounds,
     )
 

@@ -43,6 +43,8 @@ def settle(
     task: Task,
     found: Found,
     config: AvoidanceConfig,
+    *,
+    culled: int = 0,
 ) -> Settled:
     """Goes through candidates in the order of their energy; the first that stays clear wins.
 
@@ -52,6 +54,7 @@ def settle(
     """
     counts = np.asarray(found.counts)
     dropped = Dropped(
+        culled=culled,
         not_adjustable=int(counts[NOT_ADJUSTABLE]),
         time_scale=int(counts[OUT_OF_RANGE]),
         overflow=candidates.overflow,
@@ -59,7 +62,9 @@ def settle(
     usable = int(counts[OK])
     if not usable:
         return Settled(choice=None, dropped=dropped)
-    order = np.asarray(found.order)[: min(usable, config.checks)]
+    # Without hope for any the one that is touched least stands for all.
+    hopeful = max(int(found.hopeful), 1)
+    order = np.asarray(found.order)[: min(hopeful, config.checks)]
     clear, hits = False, 0
     best: tuple[int, Played] | None = None
     for number, lane, bounds in _lanes(graph, order, task, found, config):
@@ -75,8 +80,10 @@ def settle(
         hits += 1
     assert best is not None
     number, played = best
-    left = 0 if clear else usable - len(order)
-    dropped = replace(dropped, hit=hits, overflow=dropped.overflow + left)
+    if not clear:
+        hits += usable - hopeful
+        dropped = replace(dropped, overflow=dropped.overflow + hopeful - len(order))
+    dropped = replace(dropped, hit=hits)
     scores = dict(zip(SCORES, np.asarray(found.scores)[number].tolist(), strict=True))
     choice = Choice(
         status="avoided" if clear else "hit",
@@ -85,7 +92,7 @@ def settle(
         path_length=int(task.length[number]),
         part=int(task.part[number]),
         time_scale=scores.pop("s_time"),
-        candidates=len(candidates.length) + candidates.overflow,
+        candidates=len(candidates.length) + candidates.overflow + culled,
         dropped=dropped,
         energy=Energy(**scores),
         clearance_m=played.clearance,

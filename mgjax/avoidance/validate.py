@@ -50,6 +50,8 @@ def validate_config(config: AvoidanceConfig) -> None:
         value = getattr(config.energy, key)
         if value not in known:
             raise ConfigError(f"got energy.{key} = {value!r}, expected {' or '.join(known)}")
+    if config.culling not in ("none", "paper", "binned"):
+        raise ConfigError(f"got culling = {config.culling!r}, expected none, paper or binned")
 
 
 def validate_start(graph: MotionGraph, tables: EdgeTables, node: int, attack: Attack) -> None:

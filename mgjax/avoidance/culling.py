@@ -1,0 +1,107 @@
+"""Slices as a step of the selection (§5.2): timed candidates where the attack is are dropped."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache, partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float, Int
+
+from mgjax.avoidance.attack import Attack, Crop
+from mgjax.avoidance.candidates import Candidates
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.device_tables import DeviceTables, search_tables
+from mgjax.avoidance.evaluate import UNLIMITED, pad_candidates
+from mgjax.avoidance.slices import Form, Slices, build_slices
+from mgjax.avoidance.slices_cull import cull
+from mgjax.avoidance.tables import edge_tables
+from mgjax.avoidance.time_scale import OK, Timing, time_scale
+from mgjax.core.arrays import Array
+from mgjax.graph.types import MotionGraph
+
+PIXELS: dict[Form, int] = {"paper": 96, "binned": 32}
+"""Most pixels in which a candidate that is kept overlaps the attack. Where false culls and false
+keeps of ``experiments/avoidance/culling.py`` balance."""
+
+
+@lru_cache(maxsize=4)
+def graph_slices(graph: MotionGraph, body_rate: float) -> Slices:
+    """The slices of a graph, kept: they are drawn once for all attacks."""
+    return jax.device_put(build_slices(edge_tables(graph, body_rate)))
+
+
+def without_culled(
+    graph: MotionGraph,
+    candidates: Candidates,
+    attack: Attack,
+    crop: Crop,
+    form: Form,
+    config: AvoidanceConfig,
+) -> tuple[Candidates, int]:
+    """The candidates that are kept, and how many are dropped.
+
+    Those that cannot be timed are kept: nothing is known of when they would play what.
+    """
+    count = len(candidates.length)
+    if not count:
+        return candidates, 0
+    status, scales = timing_of(graph, candidates, crop, config)
+    keep = cull(
+        graph_slices(graph, config.body_rate),
+        candidates,
+        scales,
+        attack,
+        crop,
+        form=form,
+        threshold=PIXELS[form],
+    )
+    keep = keep | (status != OK)
+    kept = replace(
+        candidates,
+        edges=candidates.edges[keep],
+        length=candidates.length[keep],
+        part=candidates.part[keep],
+    )
+    return kept, int(count - keep.sum())
+
+
+def timing_of(
+    graph: MotionGraph, candidates: Candidates, crop: Crop, config: AvoidanceConfig
+) -> tuple[Int[np.ndarray, " C"], Float[np.ndarray, "C L"]]:
+    """Status and scales of candidates (eqs 2–3), without their energies."""
+    _, device = search_tables(graph, config.body_rate, config.speed)
+    timing = _timing(
+        device,
+        *pad_candidates(candidates),
+        np.asarray(crop.middle, dtype=np.float32),
+        np.asarray(config.energy.E_time if config.limit_scale else UNLIMITED, dtype=np.float32),
+        half_frame=0.5 / graph.frame_rate,
+    )
+    count, longest = candidates.edges.shape
+    return np.asarray(timing.status)[:count], np.asarray(timing.scales)[:count, :longest]
+
+
+@partial(jax.jit, static_argnames="half_frame")
+def _timing(
+    tables: DeviceTables,
+    edges: Int[Array, "C L"],
+    length: Int[Array, " C"],
+    part: Int[Array, " C"],
+    t_attack: Float[Array, ""],
+    limit: Float[Array, ""],
+    *,
+    half_frame: float,
+) -> Timing:
+    inside = jnp.maximum(edges, 0)
+    one = partial(time_scale, half_frame=half_frame, limit=limit)
+    return jax.vmap(one, in_axes=(0, 0, 0, 0, 0, None))(
+        tables.seconds[inside],
+        tables.slow_down[inside],
+        tables.speed_up[inside],
+        length,
+        tables.part_centre[part],
+        t_attack,
+    )
