@@ -9,7 +9,30 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-_HOMES: dict[str, str] = {}
+_HOMES: dict[str, str] = {
+    "PathConfig": "mgjax.hybrid.path_config",
+    "PathResult": "mgjax.hybrid.path_result",
+    "Sketch": "mgjax.hybrid.path_sketch",
+    "follow": "mgjax.hybrid.path_search",
+    "load_sketch": "mgjax.hybrid.path_sketch",
+    "make_sketch": "mgjax.hybrid.path_sketch",
+    "REACHED": "mgjax.hybrid.fabrik_chain",
+    "UNREACHABLE_FAR": "mgjax.hybrid.fabrik_chain",
+    "UNREACHABLE_NEAR": "mgjax.hybrid.fabrik_chain",
+    "NOT_CONVERGED": "mgjax.hybrid.fabrik_chain",
+    "fabrik": "mgjax.hybrid.fabrik_chain",
+    "fabrik_tree": "mgjax.hybrid.fabrik_body",
+    "JointLimits": "mgjax.hybrid.limits",
+    "joint_limits": "mgjax.hybrid.limits",
+    "limits_of_motion": "mgjax.hybrid.limits",
+    "LIMBS": "mgjax.hybrid.limbs",
+    "Limb": "mgjax.hybrid.limbs",
+    "find_limb": "mgjax.hybrid.limbs",
+    "steady_joints": "mgjax.hybrid.limbs",
+    "chain_rotations": "mgjax.hybrid.rotations",
+    "moved_joints": "mgjax.hybrid.limb_pose",
+    "reach_pose": "mgjax.hybrid.limb_pose",
+}
 __all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
 
 

@@ -1,0 +1,103 @@
+"""``mgjax walk``."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from mgjax.cli.commands import Walk
+from mgjax.cli.report import emit, to_json
+from mgjax.core.errors import ConfigError
+from mgjax.graph.files import load_graph
+from mgjax.graph.types import NO_CLIP, MotionGraph
+from mgjax.hybrid.path_config import PathConfig
+from mgjax.hybrid.path_curve import make_curve
+from mgjax.hybrid.path_result import PathResult
+from mgjax.hybrid.path_search import follow
+from mgjax.hybrid.path_sketch import load_sketch
+from mgjax.io.bvh_write import save_bvh
+from mgjax.io.output import output_folder
+from mgjax.runs.config import load_config
+from mgjax.runs.plot_walk import walk_picture
+
+
+def run(command: Walk) -> None:
+    """Searches the walk and writes what came of it."""
+    config = load_config(command.config, PathConfig) if command.config else PathConfig()
+    if command.method is not None:
+        config = replace(config, method=command.method)
+    if command.seconds is not None:
+        if not 0 < command.seconds < math.inf:
+            raise ConfigError(f"got --seconds {command.seconds:g}, expected more than 0")
+        config = replace(config, time_limit_s=command.seconds)
+    sketch = load_sketch(command.path, spline=command.spline, closed=command.closed)
+    graph = load_graph(command.graph)
+    with output_folder(command.out) as folder:
+        walked = follow(graph, sketch, config=config)
+        result = walk_json(graph, walked, make_curve(sketch).length)
+        (folder / "result.json").write_text(to_json(result) + "\n")
+        save_bvh(folder / "motion.bvh", graph.skeleton, walked.motion)
+        walk_picture(folder / "walk.png", graph, sketch, walked)
+    emit(result, [describe(result), f"written to {command.out}"], as_json=command.json)
+
+
+def walk_json(graph: MotionGraph, walked: PathResult, length: float) -> dict[str, Any]:
+    """A walk along a path as JSON values; seconds are those of the motion unless named a search."""
+    off, turned = walked.end_off
+    return {
+        "status": walked.status,
+        "interrupted": walked.interrupted,
+        "failed_at": None if walked.failed_at is None else walked.failed_at.tolist(),
+        "failed_s_m": walked.failed_s,
+        "error_m2": walked.error,
+        "mean_distance_m": walked.mean_distance,
+        "largest_distance_m": walked.largest_distance,
+        "path_length_m": length,
+        "seconds": walked.seconds,
+        "prepare_s": walked.prepare_s,
+        "search_s": walked.search_s,
+        "search_s_per_s": walked.search_s / walked.seconds,
+        "nodes_expanded": walked.expanded,
+        "nodes_pruned": walked.pruned,
+        "horizons": walked.windows,
+        "horizons_proven": walked.proven,
+        "foot_slide_m_per_frame": walked.slide,
+        "foot_slide_share": walked.slide_share,
+        "end_off_m": None if math.isnan(off) else off,
+        "end_off_deg": None if math.isnan(turned) else math.degrees(turned),
+        "start": walked.start.tolist(),
+        "walk": _edges_json(graph, walked),
+    }
+
+
+def _edges_json(graph: MotionGraph, walked: PathResult) -> list[dict[str, Any]]:
+    starts = walked.walk.starts(graph)
+    rows: list[dict[str, Any]] = []
+    for i, edge in enumerate(walked.walk.edges.tolist()):
+        ends = [graph.node_clip[n] for n in (graph.edge_source[edge], graph.edge_target[edge])]
+        names = [graph.clip_names[int(clip)] for clip in ends]
+        blended = graph.edge_clip[edge] == NO_CLIP
+        rows.append(
+            {
+                "edge": edge,
+                "clip": " > ".join(names) if blended else names[0],
+                "start_s": float(starts[i]),
+                "end_s": min(float(starts[i + 1]), walked.seconds),
+            }
+        )
+    return rows
+
+
+def describe(result: dict[str, Any]) -> str:
+    """One line for people."""
+    text = (
+        f"{result['status']}: {result['seconds']:.1f} s of motion along"
+        f" {result['path_length_m']:.1f} m, mean distance {result['mean_distance_m']:.3f} m,"
+        f" largest {result['largest_distance_m']:.3f} m; search {result['search_s']:.3f} s,"
+        f" {result['nodes_expanded']} expanded, {result['nodes_pruned']} pruned"
+    )
+    if result["failed_at"] is not None:
+        x, z = result["failed_at"]
+        text += f"; it leads to ({x:.2f}, {z:.2f}), after {result['failed_s_m']:.2f} m of the path"
+    return text

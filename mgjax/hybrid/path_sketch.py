@@ -1,0 +1,228 @@
+"""Sketches: what a user draws on the floor, and the files that hold it.
+
+A CSV file has the columns x and z in metres, and speed in m/s if one is wanted; a first line of
+names may be left out. A JSON file is a list of [x, z], or an object of which only the points are
+needed:
+
+    {"points": [[0, 0], [0, 3], [2, 5]], "spline": true, "closed": false, "speed": 1.2,
+     "end": {"place": [2, 5], "heading_deg": 90}, "obstacles": [[1, 4, 0.3]]}
+
+``speed`` is one number or one for each point; ``heading_deg`` may be left out, 0 is +z and 90 is
++x; obstacles are circles (x, z, radius). A path whose last point is its first is closed.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+from jaxtyping import Float
+
+from mgjax.core.errors import FileFormatError, MgjaxError
+from mgjax.io.text import parse_number, quoted, read_text, split_lines
+
+MAX_LENGTH_M = 1000.0
+"""Longest path."""
+
+MAX_OBSTACLES = 32
+_KEYS = ("points", "spline", "closed", "speed", "end", "obstacles")
+_JUMP = 20.0
+"""A step so many times longer than the others is a jump."""
+
+
+class PathError(MgjaxError):
+    """A sketch that is no path."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sketch:
+    """A path on the floor, and what is wanted of the walk along it.
+
+    Attributes:
+        points: x and z, m; the first one is not repeated at the end of a closed path. [M, 2]
+        speed: wanted speed at the points, m/s; NaN where none is wanted. [M]
+        spline: a smooth curve through the points, else straight lines between them.
+        closed: the path leads from the last point back to the first.
+        end: place at which the walk should end (x, z, m) and heading there (rad, or NaN for any).
+        obstacles: circles that the root may not enter (x, z, radius, m). [O, 3]
+    """
+
+    points: Float[np.ndarray, "M 2"]
+    speed: Float[np.ndarray, " M"]
+    spline: bool
+    closed: bool
+    end: tuple[float, float, float] | None
+    obstacles: Float[np.ndarray, "O 3"]
+
+
+def make_sketch(
+    points: Any,
+    *,
+    speed: Any = None,
+    spline: bool = False,
+    closed: bool = False,
+    end: tuple[float, float, float] | None = None,
+    obstacles: Any = (),
+) -> Sketch:
+    """A sketch from its points; see :class:`Sketch`.
+
+    Raises:
+        PathError: fewer than two points, one that is not finite, two alike in a row, a jump, a
+            speed or an obstacle that cannot be.
+    """
+    try:
+        places = np.array(points, dtype=np.float64)
+        circles = np.array(obstacles, dtype=np.float64).reshape(-1, 3)
+        wanted = np.array(np.nan if speed is None else speed, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise PathError("got something else, expected numbers x, z of each point") from None
+    if places.ndim != 2 or places.shape[1] != 2:
+        raise PathError(
+            f"got an array of shape {places.shape}, expected two numbers for each point"
+        )
+    if wanted.ndim > 1 or (wanted.ndim == 1 and wanted.shape != places.shape[:1]):
+        raise PathError(f"got {wanted.size} speeds, expected one or {len(places)}")
+    wanted = np.broadcast_to(wanted, len(places))
+    if len(places) > 2 and (places[0] == places[-1]).all():
+        places, wanted, closed = places[:-1], wanted[:-1], True
+    _check_points(places, closed)
+    bad = np.flatnonzero((wanted <= 0) | np.isinf(wanted) | (wanted > 20))
+    if bad.size:
+        raise PathError(f"got speed {wanted[bad[0]]:g} at point {bad[0] + 1}, expected 0 … 20 m/s")
+    if len(circles) > MAX_OBSTACLES:
+        raise PathError(f"got {len(circles)} obstacles, expected at most {MAX_OBSTACLES}")
+    if not np.isfinite(circles).all() or (circles[:, 2] < 0).any():
+        raise PathError("got an obstacle that is no circle, expected finite x, z and a radius ≥ 0")
+    if end is not None and not (math.isfinite(end[0]) and math.isfinite(end[1])):
+        raise PathError("got an end that is not finite, expected x and z in metres")
+    return Sketch(
+        points=places, speed=wanted.copy(), spline=spline, closed=closed, end=end, obstacles=circles
+    )
+
+
+def _check_points(places: np.ndarray, closed: bool) -> None:
+    bad = np.flatnonzero(~np.isfinite(places).all(axis=1))
+    if bad.size:
+        values = ", ".join(f"{v:g}" for v in places[bad[0]])
+        raise PathError(f"got ({values}) as point {bad[0] + 1}, expected finite numbers")
+    if len(places) < 2:
+        raise PathError(f"got a path of {len(places)} point, expected at least two")
+    around = np.concatenate([places, places[:1]]) if closed else places
+    steps = np.linalg.norm(np.diff(around, axis=0), axis=1)
+    same = np.flatnonzero(steps < 1e-6)
+    if same.size:
+        raise PathError(f"got point {same[0] + 1} twice in a row, expected points that are apart")
+    inner = steps[: len(places) - 1]  # the last way of a closed path may be long
+    # Of few steps one may be long on both ways, there and back.
+    usual = np.median(inner) if len(inner) > 4 else np.sort(inner)[-2:][0]
+    longest = int(np.argmax(inner))
+    if len(inner) > 1 and inner[longest] > max(_JUMP * usual, 1.0):
+        raise PathError(
+            f"got a jump of {inner[longest]:.3g} m after point {longest + 1}, expected steps about"
+            f" as long as the others ({usual:.3g} m)"
+        )
+    if not 0.1 <= steps.sum() <= MAX_LENGTH_M:
+        raise PathError(f"got a path of {steps.sum():.3g} m, expected 0.1 … {MAX_LENGTH_M:g} m")
+
+
+def load_sketch(path: str | Path, *, spline: bool = False, closed: bool = False) -> Sketch:
+    """Reads a sketch from a CSV or JSON file (see this module).
+
+    Args:
+        path: the file; ``.json`` is JSON, all else CSV.
+        spline, closed: also where the file does not say so.
+
+    Raises:
+        FileFormatError: names the file and, where it is known, the line.
+    """
+    text = read_text(path, "path")
+    fields = (
+        _from_json(path, text) if Path(path).suffix.lower() == ".json" else _from_csv(path, text)
+    )
+    fields["spline"] = fields.get("spline", False) or spline
+    fields["closed"] = fields.get("closed", False) or closed
+    try:
+        return make_sketch(**fields)
+    except PathError as error:
+        got, _, expected = str(error).removeprefix("got ").partition(", expected ")
+        raise FileFormatError(path, None, got, expected) from None
+
+
+def _from_csv(path: str | Path, text: str) -> dict[str, Any]:
+    points: list[list[float]] = []
+    speeds: list[float] = []
+    columns = 0
+    for number, line in enumerate(split_lines(text), 1):
+        words = [word.strip() for word in line.split("#")[0].split(",")]
+        if words == [""]:
+            continue
+        if not points and not columns and words[:2] == ["x", "z"]:
+            if words not in (["x", "z"], ["x", "z", "speed"]):
+                raise FileFormatError(path, number, quoted(line), "the columns x,z or x,z,speed")
+            columns = len(words)
+            continue
+        columns = columns or len(words)
+        if len(words) != columns or columns not in (2, 3):
+            expected = f"{columns} numbers" if columns in (2, 3) else "x,z or x,z,speed"
+            raise FileFormatError(path, number, f"{len(words)} values", expected)
+        values = [parse_number(path, number, w, "x, z or speed") for w in words]
+        points.append(values[:2])
+        speeds += values[2:]
+    if not points:
+        raise FileFormatError(path, None, "no points", "lines of x,z in metres")
+    return {"points": points, "speed": speeds or None}
+
+
+def _from_json(path: str | Path, text: str) -> dict[str, Any]:
+    def refuse(word: str) -> NoReturn:
+        raise FileFormatError(path, None, word, "finite numbers")
+
+    try:
+        root = json.loads(text, parse_int=float, parse_constant=refuse)
+    except json.JSONDecodeError as error:
+        got = f"no JSON ({error.msg})"
+        raise FileFormatError(path, error.lineno, got, "a JSON object with points") from None
+    except RecursionError:
+        raise FileFormatError(path, None, "JSON nested too deep", "a JSON object") from None
+    if isinstance(root, list):
+        root = {"points": root}
+    if not isinstance(root, dict) or "points" not in root:
+        raise FileFormatError(path, None, "no points", 'an object {"points": [[x, z], …]}')
+    unknown = sorted(set(root) - set(_KEYS))
+    if unknown:
+        raise FileFormatError(path, None, f"the key {quoted(unknown[0])}", " | ".join(_KEYS))
+    fields = {key: root[key] for key in ("points", "spline", "closed", "speed") if key in root}
+    for key in ("spline", "closed"):
+        if not isinstance(fields.get(key, False), bool):
+            raise FileFormatError(path, None, f"{key} {fields[key]!r:.40}", "true or false")
+    for key, width in (("points", 2), ("obstacles", 3)):
+        rows = root.get(key, [])
+        if not isinstance(rows, list) or not all(_numbers(row, width) for row in rows):
+            raise FileFormatError(path, None, f"{key} of another form", f"lists of {width} numbers")
+    speed = root.get("speed")
+    if not (speed is None or isinstance(speed, float) or _numbers(speed, len(root["points"]))):
+        raise FileFormatError(path, None, f"speed {speed!r:.40}", "a number, or one for each point")
+    fields["obstacles"] = root.get("obstacles", [])
+    if root.get("end") is not None:
+        fields["end"] = _end(path, root["end"])
+    return fields
+
+
+def _numbers(value: Any, count: int) -> bool:
+    return (
+        isinstance(value, list) and len(value) == count and all(isinstance(v, float) for v in value)
+    )
+
+
+def _end(path: str | Path, value: Any) -> tuple[float, float, float]:
+    expected = '{"place": [x, z], "heading_deg": number or nothing}'
+    if not isinstance(value, dict) or set(value) - {"place", "heading_deg"}:
+        raise FileFormatError(path, None, f"end {value!r:.60}", expected)
+    heading = value.get("heading_deg", math.nan)
+    if not _numbers(value.get("place"), 2) or not isinstance(heading, float):
+        raise FileFormatError(path, None, f"end {value!r:.60}", expected)
+    return value["place"][0], value["place"][1], math.radians(heading)
