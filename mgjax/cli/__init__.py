@@ -1,4 +1,4 @@
-"""The command line: ``mgjax info | build | avoid | demo | bench``.
+"""The command line: ``mgjax info | build | avoid | walk | demo | bench``.
 
 ``--help`` must be quick, so nothing heavy is imported before a command has been chosen.
 """
@@ -10,12 +10,13 @@ from typing import Annotated
 
 import tyro
 
-from mgjax.cli.commands import Avoid, Bench, Build, Demo, Info
+from mgjax.cli.commands import Avoid, Bench, Build, Demo, Info, Walk
 
 Command = (
     Annotated[Info, tyro.conf.subcommand("info")]
     | Annotated[Build, tyro.conf.subcommand("build")]
     | Annotated[Avoid, tyro.conf.subcommand("avoid")]
+    | Annotated[Walk, tyro.conf.subcommand("walk")]
     | Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
 )

@@ -7,6 +7,9 @@ import time
 from dataclasses import replace
 from typing import Any
 
+from mgjax.avoidance.grid_build import build_index
+from mgjax.avoidance.grid_index import save_index
+from mgjax.avoidance.tables import edge_tables
 from mgjax.cli.commands import Build
 from mgjax.cli.report import emit, to_json
 from mgjax.clips.folder import load_clips
@@ -34,6 +37,7 @@ KEYS = (
     "seconds",
     "foot_slide_before",
     "foot_slide_after",
+    "index",
     "notes",
 )
 
@@ -59,6 +63,11 @@ def run(command: Build) -> None:
         start = time.perf_counter()
         save_graph(folder, graph)
         report["seconds"]["save"] = round(time.perf_counter() - start, 4)
+        index = None
+        if graph.report["labels_enterable"] and not command.no_index:
+            index = build_index(graph, edge_tables(graph, graph.frame_rate), progress=progress)
+            save_index(folder, index)
+        report["index"] = index.report if index else None
         report["seconds"]["total"] = round(time.perf_counter() - begin, 4)
         result = {key: report[key] for key in KEYS}
         (folder / "build.json").write_text(to_json(result) + "\n")

@@ -52,6 +52,8 @@ class Build(Output):
     """Add a left-right mirrored copy of every clip."""
     config: Path | None = None
     """TOML file of graph settings."""
+    no_index: bool = False
+    """Leave out the grid index, from which candidates of an avoidance are looked up."""
 
     def run(self) -> None:
         from mgjax.cli.build import run
@@ -93,6 +95,33 @@ class Avoid(Output):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Walk(Output):
+    """Walk along a path sketched on the floor."""
+
+    graph: Path
+    """Folder of a graph with locomotion."""
+    path: Path
+    """CSV (x,z or x,z,speed) or JSON file of the path, m."""
+    out: Path
+    """Folder for motion.bvh, result.json and walk.png."""
+    spline: bool = False
+    """A smooth curve through the points, not straight lines between them."""
+    closed: bool = False
+    """The path leads back to its first point."""
+    method: Literal["exact", "beam"] | None = None
+    """Branch and bound, or only the best partial walks; default: exact."""
+    seconds: float | None = None
+    """Time limit of the search, s; then the best walk so far is taken."""
+    config: Path | None = None
+    """TOML file of settings of the search."""
+
+    def run(self) -> None:
+        from mgjax.cli.walk import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Demo(Output):
     """Throw balls at a character made of the embedded clips."""
 
@@ -113,8 +142,12 @@ class Demo(Output):
 class Bench(Output):
     """Measure speed; rows have medians, quartiles and ratios to a bare kernel of the same run."""
 
-    what: tyro.conf.Positional[Literal["distance", "build"]]
+    what: tyro.conf.Positional[Literal["distance", "build", "selection"]]
     """What to measure."""
+    graph: Path | None = None
+    """Folder of a graph, for selection."""
+    balls: int = 200
+    """How many are thrown, for selection."""
     out: Path | None = None
     """Folder for bench.json."""
 
