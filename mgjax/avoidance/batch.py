@@ -101,16 +101,22 @@ def select_batch(
     for node, attack in zip(places, attacks, strict=True):
         validate_start(graph, tables, int(node), attack)
     answers = _no_answers(len(attacks))
-    groups: dict[tuple, list[_Question]] = {}
+    waiting: dict[tuple, list[_Question]] = {}
+    asked: list[tuple[list[_Question], Found]] = []
     for question in _questions(graph, places, attacks, answers, config):
         shapes = tuple(np.shape(x) for x in jax.tree.leaves(_inputs(question.task)))
-        groups.setdefault((question.task.window, shapes), []).append(question)
-    for (_, shapes), members in groups.items():
         size = max(GROUP // shapes[0][0], 1)
-        for first in range(0, len(members), size):
-            some = members[first : first + size]
-            found = _search(graph, some + [some[-1]] * (size - len(some)), config)
-            _decide(graph, some, found, answers, config)
+        group = waiting.setdefault((size, shapes), [])
+        group.append(question)
+        if len(group) == size:  # computed while the next questions are put
+            asked.append(([*group], _search(graph, group, config)))
+            group.clear()
+    for (size, _), group in waiting.items():
+        if group:
+            filled = group + [group[-1]] * (size - len(group))
+            asked.append((group, _search(graph, filled, config)))
+    for group, found in asked:
+        _decide(graph, group, jax.tree.map(np.asarray, found), answers, config)
     return BatchSelection(**answers)
 
 
@@ -186,15 +192,13 @@ def _inputs(task: Task) -> tuple:
 def _search(graph: MotionGraph, questions: list[_Question], config: AvoidanceConfig) -> Found:
     _, device = search_tables(graph, config.body_rate, config.speed)
     inputs = [_inputs(question.task) for question in questions]
-    found = search_many(
+    return search_many(
         device,
         *jax.tree.map(lambda *x: np.stack(x), *inputs),
         config.energy,
         frame_rate=graph.frame_rate,
         limit_scale=config.limit_scale,
-        window=questions[0].task.window,
     )
-    return jax.tree.map(np.asarray, found)
 
 
 def _decide(

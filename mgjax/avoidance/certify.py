@@ -19,6 +19,7 @@ from mgjax.avoidance.body_reader import Laid, find, lay, root_at, spheres_at
 from mgjax.avoidance.candidates import NO_EDGE
 from mgjax.avoidance.check import CLEAR_M, EXPORT_RATE, FAR
 from mgjax.avoidance.device_tables import DeviceTables
+from mgjax.avoidance.evaluate import padded_spheres
 from mgjax.core.arrays import Array
 from mgjax.core.padding import bucket_size
 from mgjax.core.pytree import register
@@ -31,6 +32,12 @@ MORE_LANES = 32
 
 FOLLOWING = 8
 """Edges that are played after the path, each the longest that leaves its node."""
+
+FRAMES = 256
+"""Written frames of an attack that a call is compiled for, and four times as many, …"""
+
+WINDOW_SHARE = 4
+"""One in so many of them is the window in which an attack may be near a walk."""
 
 ROUNDING_M = 1e-4
 """Beside twice the bend: what 32 bits and the written motion's own frames differ by."""
@@ -93,21 +100,30 @@ def make_flight(attack: Attack, reach: float) -> Flight:
     begin, end = max(attack.start, 0.0), attack.end
     first = int(np.floor(begin * EXPORT_RATE))
     last = max(int(np.ceil(end * EXPORT_RATE)), first + 1)
-    size = bucket_size(last - first + 1, 256, 4)
-    times = np.clip((first + np.arange(size)) / EXPORT_RATE, begin, max(end, begin))
-    there = attack.active(times)
+    step = 1 / EXPORT_RATE
+    margin = reach + attack.largest_speed * step + 0.1
+    size = _size(attack, last - first + 1, margin)
+    times = np.clip((first + np.arange(size)) * step, begin, max(end, begin))
+    centres, there, radii = padded_spheres(attack, times)
     present = there[:-1] & there[1:]
     present[last - first :] = False
-    step = 1 / EXPORT_RATE
     curve = (attack.acceleration + _kinks(attack, step)) * step**2 / 8
     return Flight(
         times=times.astype(np.float32),
-        centres=np.ascontiguousarray(np.moveaxis(attack.at(times), -1, 0), dtype=np.float32),
+        centres=centres,
         present=present,
-        radii=attack.radii.astype(np.float32),
-        margin=np.asarray(reach + attack.largest_speed * step + 0.1, dtype=np.float32),
+        radii=radii,
+        margin=np.asarray(margin, dtype=np.float32),
         sag=np.asarray(curve, dtype=np.float32),
     )
+
+
+def _size(attack: Attack, frames: int, margin: float) -> int:
+    """Frames that an attack is padded to: all of it, and a window as long as it may be near."""
+    way = np.linalg.norm(np.diff(attack.centres, axis=0), axis=-1).sum(axis=0)
+    speed = float(way.min()) / max(attack.end - attack.start, 1e-6)
+    near = 1.15 * 2 * (margin + float(attack.radii.max())) / max(speed, 1e-6) * EXPORT_RATE
+    return bucket_size(max(frames, min(int(near), frames) * WINDOW_SHARE), FRAMES, 4)
 
 
 def _kinks(attack: Attack, step: float) -> float:
@@ -139,7 +155,6 @@ def certify(
     flight: Flight,
     *,
     frame_rate: float,
-    window: int,
 ) -> Bounds:
     """Bounds on the clearance of walks and of what follows them by default.
 
@@ -148,8 +163,10 @@ def certify(
         edges, scales, length: the walks; a length of 0 is padding.
         flight: the attack.
         frame_rate: of the graph.
-        window: most frames at which an attack can be near a walk; beyond, nothing is certain.
+
+    Where an attack is near a walk for longer than the window nothing is certain.
     """
+    window = flight.times.shape[0] // WINDOW_SHARE
     edges, scales = _go_on(tables, edges, scales, length)
     laid = lay(tables, edges, scales)
     path_end = laid.ends[jnp.arange(len(length)), jnp.maximum(length - 1, 0)]

@@ -98,6 +98,5 @@ def best_of(
         config.energy,
         frame_rate=graph.frame_rate,
         limit_scale=config.limit_scale,
-        window=task.window,
     )
     return settle(graph, node, attack, crop, kept, task, found, config, culled=culled)

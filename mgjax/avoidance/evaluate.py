@@ -18,20 +18,23 @@ from mgjax.avoidance.device_tables import DeviceTables
 from mgjax.avoidance.energy import Energies, energies_batch, time_scale_energy, total_energy
 from mgjax.avoidance.time_scale import OK, PADDING, Timing, time_scale
 from mgjax.core.arrays import Array
-from mgjax.core.padding import bucket_size
+from mgjax.core.padding import bucket_size, pad_axis
 from mgjax.core.pytree import register
 
 TILE = 128
 """Candidates judged together: their volumes then stay in the cache."""
 
-SIZES = (8, 32, TILE)
+SIZES = (8, 32, 64, TILE)
 """Numbers of candidates that a call is compiled for; then 1024, 4096, …"""
 
 LENGTH = 48
 """Edges of a walk that a call is compiled for, and twice as many, …"""
 
 TIMES = 24
-"""Times that a call is compiled for, and twice as many, …"""
+"""Times that a call is compiled for, and four times as many, …"""
+
+SPHERES = 1
+"""Spheres of an attack that a call is compiled for, and eight times as many, …"""
 
 UNLIMITED = 1e6
 """Largest time scale where the configuration sets no limit."""
@@ -199,19 +202,35 @@ def evaluation_times(attack: Attack, crop: Crop, config: AvoidanceConfig) -> np.
 def make_problem(attack: Attack, crop: Crop, config: AvoidanceConfig) -> Problem:
     """The attack at the evaluated times, padded to one of few sizes."""
     times = evaluation_times(attack, crop, config)
-    size = bucket_size(len(times), TIMES)
+    size = bucket_size(len(times), TIMES, 4)
     # Padded by the last time: the same places, and not active.
     padded = np.full(size, times[-1])
     padded[: len(times)] = times
-    centres = attack.at(padded)
+    centres, present, radii = padded_spheres(attack, padded)
     return Problem(
         t_attack=np.asarray(crop.middle, dtype=np.float32),
         times=padded.astype(np.float32),
         active=np.arange(size) < len(times),
-        centres=np.ascontiguousarray(np.moveaxis(centres, -1, 0), dtype=np.float32),
-        present=attack.active(padded),
-        radii=attack.radii.astype(np.float32),
+        centres=centres,
+        present=present,
+        radii=radii,
         dt=np.asarray(times[1] - times[0], dtype=np.float32),
+    )
+
+
+def padded_spheres(
+    attack: Attack, times: Float[np.ndarray, " T"]
+) -> tuple[Float[np.ndarray, "3 T I"], Bool[np.ndarray, "T I"], Float[np.ndarray, " I"]]:
+    """Places, presence and radii of an attack's spheres; those that pad are never there."""
+    spheres = bucket_size(len(attack.radii), SPHERES, 8)
+    centres = np.moveaxis(attack.at(times), -1, 0).astype(np.float32)
+    present, radii = attack.active(times), attack.radii.astype(np.float32)
+    if spheres == len(radii):
+        return np.ascontiguousarray(centres), present, radii
+    return (
+        pad_axis(centres, spheres, axis=2),
+        pad_axis(present, spheres, axis=1, value=False),
+        pad_axis(radii, spheres),
     )
 
 

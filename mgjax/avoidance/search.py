@@ -13,7 +13,6 @@ from jaxtyping import Float, Int
 from mgjax.avoidance.attack import Attack, Crop
 from mgjax.avoidance.candidates import Candidates
 from mgjax.avoidance.certify import LANES, Bounds, Flight, certify, make_flight
-from mgjax.avoidance.check import EXPORT_RATE
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
 from mgjax.avoidance.device_tables import DeviceTables
 from mgjax.avoidance.evaluate import (
@@ -27,10 +26,6 @@ from mgjax.avoidance.evaluate import (
 from mgjax.avoidance.time_scale import OK, PADDING
 from mgjax.core.arrays import Array
 from mgjax.core.pytree import register
-
-WINDOWS = (64, 256, 1024)
-"""Written frames at which an attack may be near; a call is compiled for each."""
-
 
 HOPELESS_M = 0.02
 """Sampled volumes that are touched deeper belong to a motion that is hit: they are within
@@ -73,7 +68,6 @@ def search(
     *,
     frame_rate: float,
     limit_scale: bool,
-    window: int,
 ) -> Found:
     """One attack: from the padded candidates to their order and to bounds for the best of them."""
     judged = judge_all(
@@ -96,7 +90,6 @@ def search(
         jnp.where(usable[first], length[first], 0),
         flight,
         frame_rate=frame_rate,
-        window=window,
     )
     values = by_name(judged)
     kinds = jnp.arange(PADDING + 1)[:, None]
@@ -111,7 +104,7 @@ def search(
     )
 
 
-_STATIC = ("frame_rate", "limit_scale", "window")
+_STATIC = ("frame_rate", "limit_scale")
 search_one = jax.jit(search, static_argnames=_STATIC)
 
 
@@ -127,16 +120,15 @@ def search_many(
     *,
     frame_rate: float,
     limit_scale: bool,
-    window: int,
 ) -> Found:
     """Many attacks of equal shapes at once, each with its own candidates."""
-    one = partial(search, frame_rate=frame_rate, limit_scale=limit_scale, window=window)
+    one = partial(search, frame_rate=frame_rate, limit_scale=limit_scale)
     return jax.vmap(one, in_axes=(None, 0, 0, 0, 0, 0, None))(
         tables, edges, length, part, problems, flights, config
     )
 
 
-bound = jax.jit(certify, static_argnames=("frame_rate", "window"))
+bound = jax.jit(certify, static_argnames="frame_rate")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -148,7 +140,6 @@ class Task:
     part: Int[np.ndarray, " C"]
     problem: Problem
     flight: Flight
-    window: int
 
 
 def make_task(
@@ -158,17 +149,4 @@ def make_task(
     flight = make_flight(attack, reach)
     edges, length, part = pad_candidates(candidates)
     problem = make_problem(attack, crop, config)
-    window = _window(attack, flight)
-    return Task(
-        edges=edges, length=length, part=part, problem=problem, flight=flight, window=window
-    )
-
-
-def _window(attack: Attack, flight: Flight) -> int:
-    """Times for which an attack that passes a body is near it, with some to spare."""
-    way = np.linalg.norm(np.diff(attack.centres, axis=0), axis=-1).sum(axis=0)
-    speed = float(way.min()) / max(attack.end - attack.start, 1e-6)
-    reach = 2 * float(flight.margin) + 2 * float(flight.radii.max())
-    frames = 1.15 * reach / max(speed, 1e-6) * EXPORT_RATE
-    sizes = [w for w in WINDOWS if w <= len(flight.times)]
-    return next((w for w in sizes if w >= frames), sizes[-1])
+    return Task(edges=edges, length=length, part=part, problem=problem, flight=flight)

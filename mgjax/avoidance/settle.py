@@ -119,7 +119,6 @@ def _lanes(
                 task.length[rows],
                 task.flight,
                 frame_rate=graph.frame_rate,
-                window=task.window,
             )
         bounds = jax.tree.map(np.asarray, bounds)
         for lane, number in enumerate(some):

@@ -72,7 +72,7 @@ def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
     @jax.jit
     @chex.assert_max_traces(n=1)
     def traced(*inputs: object) -> Found:
-        return search(*inputs, frame_rate=30.0, limit_scale=True, window=64)
+        return search(*inputs, frame_rate=30.0, limit_scale=True)
 
     rng = np.random.default_rng(1)
     answered = 0

@@ -21,7 +21,7 @@ from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk
 from tests.avoidance.made import random_graph, throw
 
-bound = jax.jit(certify, static_argnames=("frame_rate", "window"))
+bound = jax.jit(certify, static_argnames="frame_rate")
 
 
 def random_walks(graph: MotionGraph, rng: np.random.Generator, seconds: float) -> list[Walk]:
@@ -41,7 +41,7 @@ def random_walks(graph: MotionGraph, rng: np.random.Generator, seconds: float) -
     return walks
 
 
-def bounds_of(graph: MotionGraph, walks: list[Walk], attack: Attack, window: int = 256) -> Bounds:
+def bounds_of(graph: MotionGraph, walks: list[Walk], attack: Attack) -> Bounds:
     _, device = search_tables(graph, graph.frame_rate, SpeedConfig())
     edges = np.full((MORE_LANES, 48), NO_EDGE, np.int32)
     scales = np.ones((MORE_LANES, 48), np.float32)
@@ -50,7 +50,7 @@ def bounds_of(graph: MotionGraph, walks: list[Walk], attack: Attack, window: int
         length[lane] = len(walk.edges)
         edges[lane, : length[lane]], scales[lane, : length[lane]] = walk.edges, walk.scales
     flight = make_flight(attack, body_of(graph)[1])
-    found = bound(device, edges, scales, length, flight, frame_rate=graph.frame_rate, window=window)
+    found = bound(device, edges, scales, length, flight, frame_rate=graph.frame_rate)
     return jax.tree.map(np.asarray, found)
 
 
@@ -134,11 +134,13 @@ def test_nothing_is_certain_where_it_cannot_be(made_graph: MotionGraph) -> None:
     assert near.any()
     assert (lanes.least[near] < CLEAR_M).all()
     assert (lanes.touched_from == FAR).all()
-    # A sphere that hangs in the body for longer than there are times to look at.
+    # A sphere that comes from afar at once and hangs in the body for longer than was foreseen.
     hang = Attack(
-        times=np.array([0.0, 1.5]), centres=np.full((2, 1, 3), 0.3), radii=np.array([0.05])
+        times=np.array([0.0, 0.1, 1.5]),
+        centres=np.array([[90.0, 1.0, 0.0], [0.3, 0.3, 0.3], [0.3, 0.3, 0.3]])[:, None],
+        radii=np.array([0.05]),
     )
-    lanes = bounds_of(made_graph, walks, hang, window=64)
+    lanes = bounds_of(made_graph, walks, hang)
     assert (lanes.least < CLEAR_M).all()
     assert (lanes.touched_from == FAR).all()
 
