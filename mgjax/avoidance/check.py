@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.volumes import BodySpheres, sphere_centres
+from mgjax.avoidance.warp import TimeWarp
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion, sample
 from mgjax.graph.types import MotionGraph
@@ -31,10 +32,20 @@ class Trace:
     centres: Float[np.ndarray, "T S 3"]
 
 
-def walk_motion(graph: MotionGraph, walk: Walk, seconds: float) -> Motion:
-    """The motion of a walk from now on, at the rate at which it is written."""
+def walk_motion(
+    graph: MotionGraph, walk: Walk, seconds: float, warp: TimeWarp | None = None
+) -> Motion:
+    """The motion of a walk from now on, at the rate at which it is written.
+
+    With a ``warp`` that says which moment of the walk as captured is shown when; else as the scales
+    of the walk say.
+    """
     count = int(np.ceil(seconds * EXPORT_RATE - 1e-6)) + 1
-    return sample_walk(graph, walk, np.arange(max(count, 2)) / EXPORT_RATE)
+    times = np.arange(max(count, 2)) / EXPORT_RATE
+    if warp is None:
+        return sample_walk(graph, walk, times)
+    captured = Walk(edges=walk.edges, scales=np.ones(len(walk.edges)))
+    return replace(sample_walk(graph, captured, warp.at(times)), frame_rate=EXPORT_RATE)
 
 
 def trace_motion(

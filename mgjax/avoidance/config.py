@@ -77,6 +77,11 @@ class AvoidanceConfig:
         capacity: most candidates that are judged; those beyond are counted, never silent.
         checks: most candidates that are checked exactly.
         settle_s: how long after the attack the motion still has to stay clear, s.
+        warp: how the chosen walk is played. ``"smooth"``: with a continuous speed, unless the
+            attack would touch it then. ``"linear"``: each edge at one speed, as the paper has it.
+        culling: slices that drop candidates before they are judged (§5.2): of whole edges
+            (``"paper"``), of 0.1 s of motion (``"binned"``), or none. They drop good candidates,
+            too, and here they take longer than they save.
     """
 
     energy: EnergyConfig = EnergyConfig()
@@ -90,3 +95,5 @@ class AvoidanceConfig:
     capacity: int = 4096
     checks: int = 64
     settle_s: float = 0.2
+    warp: Literal["smooth", "linear"] = "smooth"
+    culling: Literal["none", "paper", "binned"] = "none"

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import Literal
+
+import numpy as np
 
 from mgjax.avoidance.answer import Choice
 from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.check import CLEAR_M, Trace, clearance, trace_motion, walk_motion
 from mgjax.avoidance.choice import choose
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.follow import extend
 from mgjax.avoidance.grid_index import GridIndex
 from mgjax.avoidance.volumes import preset_spheres
+from mgjax.avoidance.warp import TimeWarp, linear_warp, natural_starts, part_moments, smooth_warp
 from mgjax.core.motion import Motion
 from mgjax.graph.types import MotionGraph
 
@@ -19,13 +24,19 @@ from mgjax.graph.types import MotionGraph
 class Selection(Choice):
     """The answer to an attack: a choice, and its motion.
 
-    ``status`` and ``clearance_m`` are those of the motion as it is written.
+    ``status`` and ``clearance_m`` are those of the motion as it is written; ``walk`` has the scales
+    of eq. 3, also where it is played smoothly.
 
     Attributes:
+        warp: how the motion plays the walk: ``linear``, with one speed per edge, where that is
+            asked for, where the attack would touch the smooth form, and where nothing is avoided.
+        timing: which moment of the walk as captured the motion shows when.
         motion: from now until the attack is over, in the planar frame of its first pose.
         trace: the body's spheres over that motion.
     """
 
+    warp: Literal["smooth", "linear"]
+    timing: TimeWarp
     motion: Motion
     trace: Trace
 
@@ -70,15 +81,47 @@ def select(
 def write(graph: MotionGraph, attack: Attack, choice: Choice, config: AvoidanceConfig) -> Selection:
     """Makes the motion of a choice, and checks that very motion once more.
 
-    Its clearance, and so the status, come from the forward kinematics of what is written.
+    Its clearance, and so the status, come from the forward kinematics of what is written. A choice
+    that is clear is played smoothly if it is clear then, too.
     """
+    linear, smooth = both_timings(graph, choice)
+    if config.warp == "smooth" and choice.status == "avoided":
+        found = _write(graph, attack, choice, config, "smooth", smooth)
+        if found.status == "avoided":
+            return found
+    return _write(graph, attack, choice, config, "linear", linear)
+
+
+def both_timings(graph: MotionGraph, choice: Choice) -> tuple[TimeWarp, TimeWarp]:
+    """How a walk is played with one speed per edge, and smoothly."""
+    linear = linear_warp(graph, choice.walk)
+    if choice.part is None or choice.crop is None:
+        return linear, linear
+    middle = part_moments(graph, choice.walk, choice.path_length, choice.part)[1:2]
+    t_avoid = float(linear.when(middle)[0])
+    return linear, smooth_warp(linear, t_avoid, (choice.crop.start, choice.crop.end))
+
+
+def _write(
+    graph: MotionGraph,
+    attack: Attack,
+    choice: Choice,
+    config: AvoidanceConfig,
+    form: Literal["smooth", "linear"],
+    timing: TimeWarp,
+) -> Selection:
     spheres = preset_spheres(graph.skeleton)
-    motion = walk_motion(graph, choice.walk, attack.end + config.settle_s)
+    until = attack.end + config.settle_s
+    walk = choice.walk
+    if form == "smooth":  # it may come further within that time
+        short = float(timing.at(np.array([until]))[0] - natural_starts(graph, walk)[-1])
+        walk = extend(graph, walk, float(walk.starts(graph)[-1]) + short)
+    motion = walk_motion(graph, walk, until, timing if form == "smooth" else None)
     trace = trace_motion(graph, spheres, motion)
     exact = None if choice.part is None else clearance(attack, trace, spheres.radii)[1]
     status = choice.status
     if exact is not None:
         status = "avoided" if choice.status == "avoided" and exact >= CLEAR_M else "hit"
     chosen = {field.name: getattr(choice, field.name) for field in fields(choice)}
-    chosen |= {"status": status, "clearance_m": exact}
-    return Selection(**chosen, motion=motion, trace=trace)
+    chosen |= {"status": status, "clearance_m": exact, "walk": walk}
+    return Selection(**chosen, warp=form, timing=timing, motion=motion, trace=trace)

@@ -46,10 +46,13 @@ def validate_config(config: AvoidanceConfig) -> None:
         if not ok:
             top = f" … {high:g}" if high < math.inf else " or more"
             raise ConfigError(f"got {key} = {value!r}, expected {low:g}{top}")
-    for key, known in (("form", ("overlap", "paper")), ("d0", ("clamped", "paper"))):
-        value = getattr(config.energy, key)
+    for key, value, known in (
+        ("energy.form", config.energy.form, ("overlap", "paper")),
+        ("energy.d0", config.energy.d0, ("clamped", "paper")),
+        ("warp", config.warp, ("smooth", "linear")),
+    ):
         if value not in known:
-            raise ConfigError(f"got energy.{key} = {value!r}, expected {' or '.join(known)}")
+            raise ConfigError(f"got {key} = {value!r}, expected {' or '.join(known)}")
     if config.culling not in ("none", "paper", "binned"):
         raise ConfigError(f"got culling = {config.culling!r}, expected none, paper or binned")
 

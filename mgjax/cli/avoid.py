@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from mgjax.avoidance.attack import Attack, ball_attack
+from mgjax.avoidance.check import EXPORT_RATE
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.selection import Selection, select
+from mgjax.avoidance.selection import Selection, both_timings, select
 from mgjax.avoidance.volumes import preset_spheres
+from mgjax.avoidance.warp import natural_starts, part_moments, speed_change
 from mgjax.cli.commands import Avoid
 from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
@@ -54,7 +56,9 @@ def selection_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
     """The answer to an attack as JSON values.
 
     ``start_s`` and ``end_s`` of an edge are seconds from now; ``clip`` is the clip it plays, or the
-    two that it blends, and ``clip_start_s`` … ``clip_end_s`` what it plays of it.
+    two that it blends, and ``clip_start_s`` … ``clip_end_s`` what it plays of it; ``scale`` is how
+    long it is played, divided by its natural duration, so with a smooth warp the mean over it.
+    ``time_scale`` is that of eq. 3.
     """
     chosen = selection
     crop = chosen.crop
@@ -65,6 +69,7 @@ def selection_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
         "dropped": dataclasses.asdict(chosen.dropped),
         "walk": _walk_json(graph, selection),
         "time_scale": chosen.time_scale,
+        "warp": _warp_json(graph, selection),
         "part": None if chosen.part is None else _part_json(graph, chosen.part),
         "energy": None if chosen.energy is None else dataclasses.asdict(chosen.energy),
         "clearance_m": chosen.clearance_m,
@@ -77,7 +82,9 @@ def selection_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
 
 def _walk_json(graph: MotionGraph, selection: Selection) -> list[dict[str, Any]]:
     walk = selection.walk
-    starts = walk.starts(graph)
+    natural = natural_starts(graph, walk)
+    starts = selection.timing.when(natural)
+    scales = np.diff(starts) / np.diff(natural)
     rows: list[dict[str, Any]] = []
     for i, edge in enumerate(walk.edges):
         clip = int(graph.edge_clip[edge])
@@ -91,13 +98,39 @@ def _walk_json(graph: MotionGraph, selection: Selection) -> list[dict[str, Any]]
         else:
             row["clip"] = graph.clip_names[clip]
         row |= {"start_s": float(starts[i]), "end_s": float(starts[i + 1])}
-        row |= {"scale": float(walk.scales[i]), "path": i < selection.path_length}
+        row |= {"scale": float(scales[i]), "path": i < selection.path_length}
         if clip != NO_CLIP:
             frames = np.array([graph.edge_starts[edge], graph.edge_stops[edge]])
             seconds = (frames - graph.clip_starts[clip]) / graph.frame_rate
             row |= {"clip_start_s": float(seconds[0]), "clip_end_s": float(seconds[1])}
         rows.append(row)
     return rows
+
+
+def _warp_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
+    """How the walk is played, and how abruptly its speed changes in both forms.
+
+    ``speed_change_per_s`` is the largest difference between the playback speeds (1 is natural) at
+    two frames of the written motion that follow one another, divided by the time between them; what
+    comes before now counts as natural. ``speed`` has the least and the largest speed at a frame.
+    ``t_avoid`` is when the middle of the avoidance part is shown, s from now.
+    """
+    times = np.arange(selection.motion.num_frames) / EXPORT_RATE
+    speeds = selection.timing.speed(times)
+    linear, smooth = both_timings(graph, selection)
+    result: dict[str, Any] = {
+        "form": selection.warp,
+        "speed": [float(speeds.min()), float(speeds.max())],
+        "speed_change_per_s": {
+            "smooth": speed_change(smooth, float(times[-1]), EXPORT_RATE),
+            "linear": speed_change(linear, float(times[-1]), EXPORT_RATE),
+        },
+        "t_avoid": None,
+    }
+    if selection.part is not None:
+        moments = part_moments(graph, selection.walk, selection.path_length, selection.part)
+        result["t_avoid"] = float(selection.timing.when(moments[1:2])[0])
+    return result
 
 
 def _part_json(graph: MotionGraph, part: int) -> dict[str, Any]:

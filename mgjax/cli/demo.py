@@ -68,7 +68,8 @@ def _balls_json(graph: MotionGraph, throws: list[Throw]) -> list[dict[str, Any]]
 def throw_balls(graph: MotionGraph, balls: int, seed: int) -> tuple[list[Throw], Walk]:
     """Throws ``balls`` balls from random sides at 10 m/s; the motions follow one another."""
     rng = np.random.default_rng(seed)
-    config = AvoidanceConfig()
+    # The motions follow one another where each walk ends, at natural speed in this form only.
+    config = AvoidanceConfig(warp="linear")
     node = int(rng.integers(graph.num_nodes))
     throws: list[Throw] = []
     walks: list[Walk] = []

@@ -17,6 +17,7 @@ from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.check import clearance
 from mgjax.avoidance.selection import Selection
 from mgjax.avoidance.volumes import preset_spheres
+from mgjax.avoidance.warp import part_moments
 from mgjax.core.kinematics import global_positions
 from mgjax.graph.types import MotionGraph
 
@@ -76,14 +77,8 @@ def _prepare(graph: MotionGraph, throw: Throw) -> _Scene:
     begin = end = None
     kind = ""
     if chosen.part is not None:
-        starts = chosen.walk.starts(graph)
-        last = chosen.path_length - 1
-        scale = chosen.walk.scales[last]
-        base = graph.edge_starts[graph.label_edge[chosen.part]]
-        begin, end = (
-            float(starts[last] + (frames[chosen.part] - base) / graph.frame_rate * scale)
-            for frames in (graph.label_starts, graph.label_stops)
-        )
+        moments = part_moments(graph, chosen.walk, chosen.path_length, chosen.part)
+        begin, _, end = chosen.timing.when(moments).tolist()
         kind = f"{graph.label_kind[chosen.part]} {graph.label_direction[chosen.part]}".strip()
     bones = [(p, j) for j, p in enumerate(skeleton.parents) if p >= 0]
     return _Scene(

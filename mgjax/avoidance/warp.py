@@ -1,0 +1,223 @@
+"""How fast a walk is played: with speeds that jump between edges, or smoothly (§4.1).
+
+The paper scales whole edges, so that the speed jumps where a scaled edge meets another; it names
+the problem and leaves it. The smooth form plays the same poses at the same moment of avoidance,
+with a speed that is continuous and changes as slowly as it can.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import groupby
+from typing import TypeAlias
+
+import numpy as np
+from jaxtyping import Float
+
+from mgjax.core.errors import MotionError
+from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import Walk
+
+LEEWAY = 1.25
+"""How much faster (or slower, where a walk is slowed down) than the linear form the smooth one may
+play an edge: room to make up for what it loses while its speed changes."""
+_HALVINGS = 60
+_NOTHING = 1e-9
+"""Seconds by which nothing is shown earlier or later."""
+
+_Run: TypeAlias = tuple[float, float]
+"""Seconds of the walk, and the speed at which they are played."""
+_Knot: TypeAlias = tuple[float, float, float]
+"""Time, position and speed."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TimeWarp:
+    """Which moment of a walk, as captured, is shown when.
+
+    The speed (seconds of the walk per second of playback) is linear between knots, and 1 before the
+    first and after the last; two knots of one time are a jump.
+
+    Attributes:
+        times: of playback, s from now, ascending. [K]
+        positions: seconds of the walk, all of its edges at their natural duration. [K]
+        speeds: at the knots, > 0; the first and the last are 1. [K]
+    """
+
+    times: Float[np.ndarray, " K"]
+    positions: Float[np.ndarray, " K"]
+    speeds: Float[np.ndarray, " K"]
+
+    def at(self, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, " T"]:
+        """Seconds of the walk that are shown at the given times."""
+        i, rate = self._piece(self.times, times)
+        since = times - self.times[i]
+        return self.positions[i] + since * (self.speeds[i] + 0.5 * rate * since)
+
+    def speed(self, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, " T"]:
+        """Speed at the given times; at a jump, that after it."""
+        i, rate = self._piece(self.times, times)
+        return self.speeds[i] + rate * (times - self.times[i])
+
+    def when(self, positions: Float[np.ndarray, " T"]) -> Float[np.ndarray, " T"]:
+        """Times at which the given seconds of the walk are shown: the inverse of :meth:`at`."""
+        i, rate = self._piece(self.positions, positions)
+        far = positions - self.positions[i]
+        begin = self.speeds[i]
+        # Stable also where the speed hardly changes: x = (v + v') / 2 · t.
+        end = np.sqrt(np.maximum(begin**2 + 2 * rate * far, 0.0))
+        return self.times[i] + 2 * far / (begin + end)
+
+    def _piece(self, knots: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The last knot before each value, and the change of speed per second after it."""
+        i = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 1)
+        lasts = np.diff(self.times)
+        rates = np.divide(np.diff(self.speeds), lasts, out=np.zeros(len(lasts)), where=lasts > 0)
+        rates = np.append(rates, 0.0)
+        return i, np.where(at < knots[0], 0.0, rates[i])
+
+
+def speed_change(warp: TimeWarp, until: float, rate: float) -> float:
+    """Largest change of speed per second, of a motion that is written ``rate`` times a second.
+
+    The largest difference between the speeds at two frames that follow one another, times the rate.
+    It counts from the frame before now, which is played at natural speed, to ``until`` s. Of a
+    continuous speed it is the largest slope, but for what changes within a frame.
+    """
+    frames = np.arange(-1, max(math.ceil(until * rate - 1e-6), 0) + 1)
+    speeds = np.where(frames < 0, 1.0, warp.speed(frames / rate))
+    return float(np.abs(np.diff(speeds)).max()) * rate
+
+
+def natural_starts(graph: MotionGraph, walk: Walk) -> Float[np.ndarray, " L1"]:
+    """Seconds of the walk as captured at which each edge begins, and at which it ends."""
+    return np.concatenate([[0.0], np.cumsum(graph.edge_frames[walk.edges] / graph.frame_rate)])
+
+
+def part_moments(graph: MotionGraph, walk: Walk, length: int, part: int) -> Float[np.ndarray, " 3"]:
+    """Beginning, middle and end of an avoidance part, in seconds of the walk as captured.
+
+    Args:
+        graph: the graph.
+        walk: of which edge number ``length`` (from 1) holds the part.
+        length: edges of the path.
+        part: the part.
+    """
+    edge = int(graph.label_edge[part])
+    ends = np.array([graph.label_starts[part], graph.label_stops[part]]) - graph.edge_starts[edge]
+    first, last = ends / graph.frame_rate + natural_starts(graph, walk)[length - 1]
+    return np.array([first, 0.5 * (first + last), last])
+
+
+def linear_warp(graph: MotionGraph, walk: Walk) -> TimeWarp:
+    """The walk as its scales say: each edge at one speed."""
+    starts = walk.starts(graph)
+    natural = natural_starts(graph, walk)
+    speeds = np.concatenate([[1.0], np.repeat(1 / walk.scales, 2), [1.0]])
+    return TimeWarp(times=np.repeat(starts, 2), positions=np.repeat(natural, 2), speeds=speeds)
+
+
+def smooth_warp(warp: TimeWarp, t_avoid: float, near: tuple[float, float]) -> TimeWarp:
+    """The same pose at ``t_avoid``, with a continuous speed that changes as slowly as it can.
+
+    It begins at 1 now and meets ``warp``, position and speed, where the attack comes near; so while
+    it is near the same poses are shown at the same times, and what was clear stays clear. It meets
+    it at ``t_avoid`` only, where the speed of ``warp`` jumps in between or could not be reached
+    earlier. Of all speeds that do so and on no edge exceed that of ``warp`` by more than
+    ``LEEWAY``, it is the one whose largest change per second is least: rising and falling at one
+    rate, and constant at what the edges allow. For a given rate such a speed is, squared and over
+    the position, the lower envelope of the bounds and of cones of one slope, so it is known in
+    closed form; the rate follows by bisection. Where the walk is slowed down, the same holds upside
+    down. When the attack has gone, the speed goes back to 1 at the same rate.
+
+    Deviation:
+        Edges that §4.1 does not scale are played up to ``LEEWAY`` times as fast or slow. What
+        follows the avoidance is shown earlier or later by a constant time than the scales say.
+
+    Args:
+        warp: of piecewise constant speed.
+        t_avoid: middle of the avoidance part as ``warp`` shows it, s from now.
+        near: when the attack comes near, and when it has gone, s from now. At least half of the
+            time up to ``t_avoid`` is used for getting there.
+
+    Raises:
+        MotionError: ``t_avoid`` is not after now, or edges before it are both sped up and slowed
+            down.
+    """
+    if not t_avoid > 0:
+        raise MotionError(f"got an avoidance at {t_avoid:g} s, expected one after now")
+    runs = _runs(warp, t_avoid)
+    if any(speed > 1 for _, speed in runs) and any(speed < 1 for _, speed in runs):
+        raise MotionError("got edges sped up and slowed down, expected one or the other")
+    if abs(sum(length for length, _ in runs) - t_avoid) < _NOTHING:
+        return TimeWarp(times=np.zeros(1), positions=np.zeros(1), speeds=np.ones(1))
+    meets = min(max(near[0], 0.5 * t_avoid), t_avoid)
+    wanted = runs[-1][1]
+    if runs[-1][0] < (t_avoid - meets) * wanted:  # a jump in between
+        meets = t_avoid
+    rate, profile = _slowest_change(_runs(warp, meets), meets)
+    if abs(profile[-1][2] - wanted) > 1e-9:
+        meets = t_avoid
+        rate, profile = _slowest_change(runs, meets)
+    speed = profile[-1][2]
+    for lasts, then in ((max(near[1], t_avoid) - meets, speed), (abs(speed - 1) / rate, 1.0)):
+        time, position, before = profile[-1]
+        profile.append((time + lasts, position + 0.5 * lasts * (before + then), then))
+    times, positions, speeds = np.array(profile).T
+    return TimeWarp(times=times, positions=positions, speeds=speeds)
+
+
+def _runs(warp: TimeWarp, until: float) -> list[_Run]:
+    """The stretches of one speed up to a time."""
+    ends = np.minimum(warp.times, until)
+    pieces = zip(np.diff(ends).tolist(), warp.speeds[:-1].tolist(), strict=True)
+    longer = [(lasts, speed) for lasts, speed in pieces if lasts > 0]
+    if until > warp.times[-1]:
+        longer.append((until - float(warp.times[-1]), 1.0))
+    grouped = groupby(longer, key=lambda piece: piece[1])
+    return [(sum(lasts for lasts, _ in group) * speed, speed) for speed, group in grouped]
+
+
+def _slowest_change(runs: list[_Run], seconds: float) -> tuple[float, list[_Knot]]:
+    """The least rate with which some runs are over after the given time, and the speed's knots."""
+    faster = any(speed > 1 for _, speed in runs)
+    position = sum(length for length, _ in runs)
+    # A speed that changes by less than this per second moves the end by half of what is needed.
+    low = max(abs(position - seconds), _NOTHING) / seconds**2
+    high = 4 * low
+    while (_profile(runs, high)[-1][0] > seconds) == faster:
+        low, high = high, 4 * high
+    for _ in range(_HALVINGS):
+        rate = 0.5 * (low + high)
+        if (_profile(runs, rate)[-1][0] > seconds) == faster:
+            low = rate
+        else:
+            high = rate
+    return high, _profile(runs, high)
+
+
+def _profile(runs: list[_Run], rate: float) -> list[_Knot]:
+    """The fastest (or slowest) speed over some runs that changes by ``rate`` a second.
+
+    It begins at 1 and ends at that of the last run, or as near to it as it comes.
+    """
+    # The square of the speed changes by 2 rate for each second of the walk. Slowing down is the
+    # same with its sign changed.
+    sign = 1.0 if any(speed > 1 for _, speed in runs) else -1.0
+    bounds = [sign * (speed * LEEWAY**sign) ** 2 for _, speed in runs]
+    ends = [sign, *map(min, bounds[:-1], bounds[1:]), sign * runs[-1][1] ** 2]
+    for i, (length, _) in enumerate(runs):
+        ends[i + 1] = min(ends[i + 1], ends[i] + 2 * rate * length)
+    for i in reversed(range(1, len(runs))):
+        ends[i] = min(ends[i], ends[i + 1] + 2 * rate * runs[i][0])
+    knots = [(0.0, 0.0, 1.0)]
+    for (length, _), bound, begin, end in zip(runs, bounds, ends[:-1], ends[1:], strict=True):
+        top = max(min(bound, 0.5 * (begin + end) + rate * length), begin, end)
+        up, down = (top - begin) / (2 * rate), (top - end) / (2 * rate)
+        flat = max(length - up - down, 0.0)
+        for far, square in ((up, top), (flat, top), (down, end)):
+            time, position, before = knots[-1]
+            speed = math.sqrt(sign * square)
+            knots.append((time + 2 * far / (before + speed), position + far, speed))
+    return knots
