@@ -1,4 +1,4 @@
-"""The command line: ``mgjax info | build | avoid | walk | demo | bench``.
+"""The command line: ``mgjax info | build | avoid | walk | coverage | demo | bench | sensor``.
 
 ``--help`` must be quick, so nothing heavy is imported before a command has been chosen.
 """
@@ -10,15 +10,17 @@ from typing import Annotated
 
 import tyro
 
-from mgjax.cli.commands import Avoid, Bench, Build, Demo, Info, Walk
+from mgjax.cli.commands import Avoid, Bench, Build, Coverage, Demo, Info, Sensor, Walk
 
 Command = (
     Annotated[Info, tyro.conf.subcommand("info")]
     | Annotated[Build, tyro.conf.subcommand("build")]
     | Annotated[Avoid, tyro.conf.subcommand("avoid")]
     | Annotated[Walk, tyro.conf.subcommand("walk")]
+    | Annotated[Coverage, tyro.conf.subcommand("coverage")]
     | Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
+    | Annotated[Sensor, tyro.conf.subcommand("sensor")]
 )
 
 

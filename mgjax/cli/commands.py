@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 
 import tyro
 
+from mgjax.ballsport.sensor_config import HOST, PORT
+
 Vector = tuple[float, float, float]
 
 
@@ -104,6 +106,8 @@ class Walk(Output):
     """CSV (x,z or x,z,speed) or JSON file of the path, m."""
     out: Path
     """Folder for motion.bvh, result.json and walk.png."""
+    reach: Path | None = None
+    """JSON file of targets that hands and head reach on the way."""
     spline: bool = False
     """A smooth curve through the points, not straight lines between them."""
     closed: bool = False
@@ -139,6 +143,35 @@ class Demo(Output):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Coverage(Output):
+    """Show which attacks a graph avoids, where it fails, and what to add to it."""
+
+    graph: Path
+    """Folder of a graph with labelled avoidance parts."""
+    out: Path
+    """Folder for coverage.json, coverage.npz and coverage.png."""
+    directions: int = 16
+    """How many directions balls come from, all around."""
+    nodes: int = 256
+    """At how many places in the graph; at each, one ball comes from every direction."""
+    heights: tuple[float, ...] = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7)
+    """Where balls pass the body's axis, m; dealt out among them."""
+    arrivals: tuple[float, ...] = (0.8, 1.2, 1.6)
+    """Seconds from now until a ball is there; dealt out among them."""
+    speed: float = 10.0
+    """Speed of the balls, m/s."""
+    seed: int = 0
+    """Draws the nodes and deals heights and times."""
+    config: Path | None = None
+    """TOML file of avoidance settings."""
+
+    def run(self) -> None:
+        from mgjax.cli.coverage import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Bench(Output):
     """Measure speed; rows have medians, quartiles and ratios to a bare kernel of the same run."""
 
@@ -155,3 +188,67 @@ class Bench(Output):
         from mgjax.cli.bench import run
 
         run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Replay(Output):
+    """Send a motion file as a motion sensor would, in real time (VMC protocol, OSC over UDP)."""
+
+    file: tyro.conf.Positional[Path]
+    """BVH file, or AMC file with its ASF beside it."""
+    out: Path | None = None
+    """Folder for replay.json."""
+    host: str = HOST
+    """Where to send it."""
+    port: int = PORT
+    """Its port."""
+    rate: float | None = None
+    """Frames sent per second of motion; default: as captured."""
+    speed: float = 1.0
+    """Seconds of motion per second."""
+    loss: float = 0.0
+    """Share of packets that are lost."""
+    reorder: float = 0.0
+    """Share of packets that come after those of the next frame."""
+    jitter: float = 0.0
+    """Each packet is late by a random time up to this, s."""
+    seed: int = 0
+    """Draws what is lost, reordered and late."""
+
+    def run(self) -> None:
+        from mgjax.cli.sensor import replay
+
+        replay(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Listen(Output):
+    """Wait for a motion sensor; print each kick and the stored hit it resembles, as JSON lines."""
+
+    seconds: float
+    """How long to listen."""
+    out: Path | None = None
+    """Folder for kicks.json."""
+    host: str = HOST
+    """Address of this machine to listen on; anything but loopback hears the whole network."""
+    port: int = PORT
+    """Its port; 0 takes a free one."""
+
+    def run(self) -> None:
+        from mgjax.cli.sensor import listen
+
+        listen(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensor:
+    """Live motion over the VMC protocol: play a file as a sensor, or listen to one."""
+
+    action: Annotated[
+        Annotated[Replay, tyro.conf.subcommand("replay")]
+        | Annotated[Listen, tyro.conf.subcommand("listen")],
+        tyro.conf.arg(name=""),
+    ]
+
+    def run(self) -> None:
+        self.action.run()

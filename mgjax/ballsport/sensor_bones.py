@@ -1,0 +1,229 @@
+"""Bones of Unity's humanoid, on which the VMC protocol is built, and the joints of our skeletons.
+
+Axes: Unity's are left-handed with Y up; a body that faces +Z has its left hand at −X. Ours are
+right-handed with Y up; a body that faces +Z has its left hand at +X. So x changes its sign, and
+with it the y and z components of a rotation; the same in both directions.
+
+Rest pose: where a Unity bone has the identity rotation the body is in the T-pose, upright, facing
++Z, arms straight to the sides, palms down. Where our joints have the identity a body is in its
+skeleton's own rest pose, which may differ: the legs of captured skeletons point outwards by 20°.
+So each joint has a turn that takes it from its rest pose to the T-pose, found from the directions
+of its bones: the whole body by the heading of its hips; upper and lower arm to the side, upper and
+lower leg down, each by the smallest turn; the hand with the forearm; the foot by its heading, so
+that it points ahead, and the toes with it. A joint's world rotation in Unity is its own times the
+inverse of this turn.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from jaxtyping import Float
+
+from mgjax.clips.synthetic_skeleton import synthetic_skeleton
+from mgjax.core import quaternion
+from mgjax.core.arrays import Array
+from mgjax.core.errors import SkeletonError
+from mgjax.core.kinematics import forward
+from mgjax.core.motion import Motion
+from mgjax.core.skeleton import Skeleton, find_role, require_roles, rest_positions
+
+# A bone, the bone that it hangs on, the joint that has its place in the embedded skeleton, and the
+# role of a joint with another name. "@" stands for Left, l and left.
+_TABLE = (
+    ("Hips", "", "root", "root"),
+    ("Spine", "Hips", "lowerback", "spine"),
+    ("Chest", "Spine", "upperback", ""),
+    ("UpperChest", "Chest", "thorax", "chest"),
+    ("Neck", "UpperChest", "lowerneck", "neck"),
+    ("Head", "Neck", "head", "head"),
+)
+_SIDED_TABLE = (
+    ("@Shoulder", "UpperChest", "@clavicle", ""),
+    ("@UpperArm", "@Shoulder", "@humerus", "@_shoulder"),
+    ("@LowerArm", "@UpperArm", "@radius", "@_elbow"),
+    ("@Hand", "@LowerArm", "@hand", "@_wrist"),
+    ("@UpperLeg", "Hips", "@femur", "@_hip"),
+    ("@LowerLeg", "@UpperLeg", "@tibia", "@_knee"),
+    ("@Foot", "@LowerLeg", "@foot", "@_ankle"),
+    ("@Toes", "@Foot", "@toes", "@_toe"),
+)
+
+
+def _rows() -> tuple[tuple[str, str, str, str], ...]:
+    rows = list(_TABLE)
+    for long, letter, word in (("Left", "l", "left"), ("Right", "r", "right")):
+        for bone, parent, joint, role in _SIDED_TABLE:
+            parts = (bone, long), (parent, long), (joint, letter), (role, word)
+            a, b, c, d = (text.replace("@", side) for text, side in parts)
+            rows.append((a, b, c, d))
+    return tuple(rows)
+
+
+_ROWS = _rows()
+BONES = tuple(row[0] for row in _ROWS)
+"""The bones that are used; a parent comes before its children. Eyes, jaw and fingers are not."""
+PARENTS = tuple(BONES.index(row[1]) if row[1] else -1 for row in _ROWS)
+JOINT_NAMES = tuple(row[2] for row in _ROWS)
+"""What the joints of a received body are called: as in the embedded skeleton."""
+NEEDED = tuple(
+    bone
+    for bone, name in enumerate(BONES)
+    if name == "Hips" or name.endswith(("UpperLeg", "LowerLeg", "Foot"))
+)
+"""Without these a body has no legs."""
+
+_DOWN = np.array([0.0, -1.0, 0.0])
+_AHEAD = np.array([0.0, 0.0, 1.0])
+_LIMBS = {"UpperArm": "LowerArm", "LowerArm": "Hand", "UpperLeg": "LowerLeg", "LowerLeg": "Foot"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class BonePoses:
+    """What a body sends, in Unity's axes, local to the nearest bone above that is sent, too.
+
+    Attributes:
+        bones: which, as places in :data:`BONES`.
+        places: m; those of the hips in the world.
+        rotations: wxyz.
+    """
+
+    bones: tuple[int, ...]
+    places: Float[np.ndarray, "F B 3"]
+    rotations: Float[np.ndarray, "F B 4"]
+
+
+def flip_places(places: Float[Array, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
+    """From our axes to Unity's, or back."""
+    return np.asarray(places) * np.array([-1.0, 1.0, 1.0])
+
+
+def flip_rotations(rotations: Float[Array, "*b 4"]) -> Float[np.ndarray, "*b 4"]:
+    """From our axes to Unity's, or back; wxyz."""
+    return np.asarray(rotations) * np.array([1.0, 1.0, -1.0, -1.0])
+
+
+def find_bones(skeleton: Skeleton) -> dict[int, int]:
+    """The joint for each bone that a skeleton has, by the joint's name or else its role.
+
+    Raises:
+        SkeletonError: it has no hips, legs or feet.
+    """
+    require_roles(skeleton, ("left_hip", "left_knee", "left_ankle"))
+    require_roles(skeleton, ("right_hip", "right_knee", "right_ankle"))
+    by_name = {name.lower(): joint for joint, name in enumerate(skeleton.names)}
+    found: dict[int, int] = {}
+    for bone, (_, _, name, role) in enumerate(_ROWS):
+        joint = by_name.get(name, find_role(skeleton, role) if role else None)
+        if bone == 0:
+            joint = 0
+        if joint is not None and joint not in found.values():
+            found[bone] = joint
+    missing = [BONES[bone] for bone in NEEDED if bone not in found]
+    if missing:
+        raise SkeletonError(f"found no joint for {missing[0]} among {', '.join(skeleton.names)}")
+    return found
+
+
+def nearest_above(bone: int, present: dict[int, int] | set[int]) -> int:
+    """The next bone above that is present, or −1."""
+    above = PARENTS[bone]
+    while above >= 0 and above not in present:
+        above = PARENTS[above]
+    return above
+
+
+def t_pose(skeleton: Skeleton, bones: dict[int, int]) -> dict[int, Float[np.ndarray, "4"]]:
+    """World rotation of the joint of each bone when the body is in the T-pose."""
+    places = rest_positions(skeleton)
+    across = (
+        places[bones[BONES.index("LeftUpperLeg")]] - places[bones[BONES.index("RightUpperLeg")]]
+    )
+    whole = _heading_turn(across, np.array([1.0, 0.0, 0.0]))
+    turns: dict[int, np.ndarray] = {}
+    for bone, joint in bones.items():
+        name = BONES[bone]
+        side = "Left" if name.startswith("Left") else "Right"
+        part = name.removeprefix(side)
+        turns[bone] = whole
+        if part in _LIMBS or part == "Foot":
+            below = BONES.index(side + _LIMBS.get(part, "Toes"))
+            if below not in bones:
+                continue
+            way = quaternion.rotate(whole, places[bones[below]] - places[joint])
+            if part == "Foot":
+                turn = _heading_turn(np.asarray(way), _AHEAD)
+            else:
+                out = np.array([1.0 if side == "Left" else -1.0, 0.0, 0.0])
+                turn = quaternion.from_two_vectors(way, out if "Arm" in part else _DOWN)
+            turns[bone] = np.asarray(quaternion.multiply(turn, whole))
+        elif part in ("Hand", "Toes"):
+            turns[bone] = turns.get(PARENTS[bone], whole)
+    return turns
+
+
+def _heading_turn(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """About the vertical, from the heading of one direction to that of another."""
+    flat = np.array([1.0, 0.0, 1.0])
+    return np.asarray(quaternion.from_two_vectors(a * flat, b * flat))
+
+
+def encode(skeleton: Skeleton, motion: Motion) -> BonePoses:
+    """A motion as a VMC sender sends it; the model's root stays in the world's origin."""
+    bones = find_bones(skeleton)
+    turns = t_pose(skeleton, bones)
+    root = np.asarray(motion.root_translation, np.float64)
+    local = np.asarray(motion.local_rotations, np.float64)
+    offsets = motion.joint_offsets
+    placed, turned = forward(
+        skeleton, root, local, None if offsets is None else np.asarray(offsets, np.float64)
+    )
+    world = {
+        bone: np.asarray(quaternion.multiply(turned[:, joint], quaternion.conjugate(turns[bone])))
+        for bone, joint in bones.items()
+    }
+    places = np.zeros((len(root), len(bones), 3))
+    rotations = np.zeros((len(root), len(bones), 4))
+    for number, (bone, joint) in enumerate(bones.items()):
+        above = nearest_above(bone, bones)
+        places[:, number], rotations[:, number] = placed[:, joint], world[bone]
+        if above >= 0:
+            back = quaternion.conjugate(world[above])
+            places[:, number] = quaternion.rotate(back, placed[:, joint] - placed[:, bones[above]])
+            rotations[:, number] = quaternion.multiply(back, world[bone])
+    return BonePoses(
+        bones=tuple(bones), places=flip_places(places), rotations=flip_rotations(rotations)
+    )
+
+
+@cache
+def usual_places() -> Float[np.ndarray, "B 3"]:
+    """[22,3] local places of all bones in the T-pose of the embedded body, our axes, m."""
+    skeleton = synthetic_skeleton()
+    identity = np.zeros((1, skeleton.num_joints, 4), np.float32)
+    identity[..., 0] = 1.0
+    still = Motion(
+        root_translation=np.zeros((1, 3), np.float32), local_rotations=identity, frame_rate=1.0
+    )
+    return flip_places(encode(skeleton, still).places[0])
+
+
+def make_body(places: Float[np.ndarray, "B 3"], present: set[int]) -> Skeleton:
+    """The skeleton of a body that is received: its rest pose is the T-pose.
+
+    Args:
+        places: local places of all bones, our axes, m.
+        present: which of them the sender has.
+    """
+    bones = sorted(present)
+    offsets = np.asarray(places[bones], np.float32)
+    offsets[0] = 0.0
+    return Skeleton(
+        names=tuple(JOINT_NAMES[bone] for bone in bones),
+        parents=tuple(
+            -1 if bone == 0 else bones.index(nearest_above(bone, present)) for bone in bones
+        ),
+        offsets=offsets,
+    )
