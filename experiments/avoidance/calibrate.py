@@ -5,19 +5,21 @@
 - ``V_slow`` (§4.1): the success over the largest speed at which an edge may still be sped up, with
   the speed that hands and feet then reach.
 
-    python -m experiments.avoidance.calibrate --graph out/real [--balls 200] [--seed 0]
+    python -m experiments.avoidance.calibrate --config configs/avoidance/calibrate.toml \\
+        --set graph=out/real --out out/avoidance/calibrate
+
+Without a graph it uses the embedded clips.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
-from tqdm import tqdm
 
+from experiments.avoidance.graphs import graph_of
+from experiments.avoidance.throws import percentiles
 from mgjax.avoidance.attack import Attack, ball_attack, crop_attack
 from mgjax.avoidance.candidates import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
@@ -26,16 +28,53 @@ from mgjax.avoidance.evaluate import judge
 from mgjax.avoidance.selection import select
 from mgjax.avoidance.tables import edge_tables
 from mgjax.avoidance.time_scale import OK
-from mgjax.core.compilation import enable_cache
 from mgjax.core.errors import AttackError
-from mgjax.graph.files import load_graph
 from mgjax.graph.types import MotionGraph
+from mgjax.runs.experiment import Results, experiment
+from mgjax.runs.record import Points
 
-V_SLOW = (0.1, 1.0, 2.0, 3.0, 4.0, 6.0, 1000.0)
+FORMS: tuple[Literal["overlap", "paper"], ...] = ("overlap", "paper")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """What is thrown at which graph."""
+
+    graph: str = ""
+    """Folder of a graph; empty: that of the embedded clips."""
+    balls: int = 200
+    """10 m/s from any side, 0.5–1.7 m high over the root, there in 1.2 s, at random nodes."""
+    seed: int = 0
+    """Draws the balls."""
+    V_slow: tuple[float, ...] = (0.1, 1.0, 2.0, 3.0, 4.0, 6.0, 1000.0)
+    """Largest speeds at which an edge may still be sped up, m/s."""
+
+    @classmethod
+    def smoke(cls) -> dict[str, Any]:
+        return {"graph": "", "balls": 3, "V_slow": (0.1, 3.0)}
+
+
+def run(config: Config, points: Points) -> Results:
+    """Measures both; what an interrupted run has measured is taken over."""
+    graph = graph_of(config.graph)
+    balls = seeded_balls(graph, config.balls, config.seed)
+    top = edge_tables(graph, AvoidanceConfig().body_rate).top_speed
+    metrics: dict[str, Any] = {
+        "edge_top_speed_p5_p25_p50_p75_p95": np.percentile(top, [5, 25, 50, 75, 95]),
+        "E_avoidance": {
+            form: points.measure(f"E_avoidance/{form}", lambda f=form: scale(graph, balls, f))
+            for form in FORMS
+        },
+        "V_slow": [
+            points.measure(f"V_slow/{v:g}", lambda v=v: success(graph, balls, v))
+            for v in config.V_slow
+        ],
+    }
+    return Results(metrics=metrics, lines=tuple(_lines(metrics)))
 
 
 def seeded_balls(graph: MotionGraph, count: int, seed: int) -> list[tuple[int, Attack]]:
-    """Nodes and balls: 10 m/s from any side, 0.5–1.7 m high over the root, there in 1.2 s."""
+    """Nodes and balls."""
     rng = np.random.default_rng(seed)
     balls: list[tuple[int, Attack]] = []
     for _ in range(count):
@@ -47,14 +86,26 @@ def seeded_balls(graph: MotionGraph, count: int, seed: int) -> list[tuple[int, A
     return balls
 
 
-def penetrations(graph: MotionGraph, balls: list[tuple[int, Attack]], form: Any) -> np.ndarray:
+def scale(
+    graph: MotionGraph, balls: list[tuple[int, Attack]], form: Literal["overlap", "paper"]
+) -> dict[str, Any]:
+    """How large e' is; ``E_avoidance`` is its 90th percentile."""
+    values = penetrations(graph, balls, form)
+    return {
+        "clear_candidates": len(values),
+        "p5_p50_p90_p95": percentiles(values.tolist(), (5, 50, 90, 95)),
+    }
+
+
+def penetrations(
+    graph: MotionGraph, balls: list[tuple[int, Attack]], form: Literal["overlap", "paper"]
+) -> np.ndarray:
     """e' of all candidates that stay clear of the cropped attack."""
     config = AvoidanceConfig()
     config = replace(config, energy=replace(config.energy, form=form))
-    tables = edge_tables(graph, config.body_rate)
-    _, device = search_tables(graph, config.body_rate, config.speed)
+    tables, device = search_tables(graph, config.body_rate, config.speed)
     found: list[np.ndarray] = []
-    for node, attack in tqdm(balls, desc=f"e' ({form})", leave=False):
+    for node, attack in balls:
         crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
         if crop is None:
             continue
@@ -73,8 +124,10 @@ def success(graph: MotionGraph, balls: list[tuple[int, Attack]], v_slow: float) 
     """Share avoided, and the largest end-effector speed of the paths chosen, as they are played."""
     config = AvoidanceConfig(speed=SpeedConfig(V_fast=0.3, V_slow=v_slow, V_still=min(0.3, v_slow)))
     top = edge_tables(graph, config.body_rate).top_speed
-    avoided, speeds, scales = 0, [], []
-    for node, attack in tqdm(balls, desc=f"V_slow {v_slow:g}", leave=False):
+    avoided = 0
+    speeds: list[float] = []
+    scales: list[float] = []
+    for node, attack in balls:
         try:
             chosen = select(graph, node, attack, config=config)
         except AttackError:
@@ -84,42 +137,28 @@ def success(graph: MotionGraph, balls: list[tuple[int, Attack]], v_slow: float) 
             path = slice(0, chosen.path_length)
             speeds.append(float((top[chosen.walk.edges[path]] / chosen.walk.scales[path]).max()))
             scales.append(chosen.time_scale or 1.0)
-    percent = np.percentile(speeds, [50, 95]) if speeds else [np.nan, np.nan]
     return {
         "V_slow": v_slow,
         "avoided": avoided / len(balls),
-        "speed_p50": float(percent[0]),
-        "speed_p95": float(percent[1]),
-        "time_scale_p5": float(np.percentile(scales, 5)) if scales else None,
+        "speed_p50_p95": percentiles(speeds, (50, 95)),
+        "time_scale_p5": (percentiles(scales, (5,)) or [None])[0],
     }
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--graph", required=True)
-    parser.add_argument("--balls", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=0)
-    arguments = parser.parse_args()
-    enable_cache()
-    graph = load_graph(arguments.graph)
-    balls = seeded_balls(graph, arguments.balls, arguments.seed)
-    top = edge_tables(graph, 30.0).top_speed
-    result: dict[str, Any] = {
-        "balls": len(balls),
-        "edge_top_speed_percentiles_5_25_50_75_95": np.percentile(
-            top, [5, 25, 50, 75, 95]
-        ).tolist(),
-        "E_avoidance": {},
-        "V_slow": [success(graph, balls, v) for v in V_SLOW],
-    }
-    for form in ("overlap", "paper"):
-        values = penetrations(graph, balls, form)
-        result["E_avoidance"][form] = {
-            "clear_candidates": len(values),
-            "p5_p50_p90_p95": np.percentile(values, [5, 50, 90, 95]).tolist(),
-        }
-    print(json.dumps(result, indent=1))
+def _lines(metrics: dict[str, Any]) -> list[str]:
+    lines: list[str] = []
+    for form, row in metrics["E_avoidance"].items():
+        if row["p5_p50_p90_p95"] is not None:
+            lines.append(
+                f"E_avoidance, {form}: {row['p5_p50_p90_p95'][2]:.4g} m·s"
+                f" ({row['clear_candidates']} clear candidates)"
+            )
+    for row in metrics["V_slow"]:
+        speed = row["speed_p50_p95"]
+        fastest = f", hands and feet up to {speed[1]:.1f} m/s (p95)" if speed else ""
+        lines.append(f"V_slow = {row['V_slow']:g} m/s: {row['avoided']:.0%} avoided{fastest}")
+    return lines
 
 
 if __name__ == "__main__":
-    main()
+    experiment(run, Config)

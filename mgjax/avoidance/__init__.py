@@ -13,6 +13,7 @@ _HOMES = {
     "AvoidanceConfig": "mgjax.avoidance.config",
     "BatchSelection": "mgjax.avoidance.batch",
     "Choice": "mgjax.avoidance.answer",
+    "Coverage": "mgjax.avoidance.coverage",
     "Energies": "mgjax.avoidance.energy",
     "EnergyConfig": "mgjax.avoidance.energy",
     "Planner": "mgjax.avoidance.planner",
@@ -30,6 +31,7 @@ _HOMES = {
     "save_index": "mgjax.avoidance.grid_index",
     "select": "mgjax.avoidance.selection",
     "select_batch": "mgjax.avoidance.batch",
+    "sweep_energies": "mgjax.avoidance.sweep",
 }
 __all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
 

@@ -174,12 +174,41 @@ def energies_batch(
     d, d0 = jnp.where(met, d, FAR), jnp.where(met, d0, FAR)
     penetration = moved * _float32(dt)
     return Energies(
-        avoidance=jnp.maximum(1 - penetration / _float32(config.E_avoidance), 0.0),
-        body=_body_energy(d, d0, config),
+        avoidance=avoidance_energy(penetration, config.E_avoidance),
+        body=body_energy(d, d0, config),
         penetration=penetration,
         d=d,
         d0=d0,
     )
+
+
+def avoidance_energy(
+    penetration: Float[Array, "*c"] | float, E_avoidance: Number
+) -> Float[Array, "*c"]:
+    """e_avoidance (eq. 6): 1 − e'/E_avoidance, at least 0.
+
+    Args:
+        penetration: e' (eq. 4), m·s.
+        E_avoidance: e' at which an avoidance is perfect, m·s, > 0.
+    """
+    return jnp.maximum(1 - _float32(penetration) / _float32(E_avoidance), 0.0)
+
+
+def body_energy(
+    d: Float[Array, "*c"] | float, d0: Float[Array, "*c"] | float, config: EnergyConfig
+) -> Float[Array, "*c"]:
+    """e_body (eq. 8): (d − d0)/D_body between d0 and d0 + D_body, and 1 outside.
+
+    Args:
+        d: clearance of the body (eq. 7), m.
+        d0: the same had it frozen when the avoidance began, m; clamped here where ``config.d0``
+            says so.
+        config: ``d0`` and ``D_body``.
+    """
+    clear, frozen = _float32(d), _float32(d0)
+    excess = clear - (jnp.maximum(frozen, 0.0) if config.d0 == "clamped" else frozen)
+    width = _float32(config.D_body)
+    return jnp.where((excess > _SAME) & (excess < width), excess / width, 1.0)
 
 
 def time_scale_energy(s: Float[Array, "*c"] | float, E_time: Number) -> Float[Array, "*c"]:
@@ -209,10 +238,3 @@ def total_energy(
 
 def _float32(value: Number) -> jax.Array:
     return jnp.asarray(value, jnp.float32)
-
-
-def _body_energy(d: Array, d0: Array, config: EnergyConfig) -> Array:
-    """e_body (eq. 8)."""
-    excess = d - (jnp.maximum(d0, 0.0) if config.d0 == "clamped" else d0)
-    width = _float32(config.D_body)
-    return jnp.where((excess > _SAME) & (excess < width), excess / width, 1.0)

@@ -14,6 +14,7 @@ from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.evaluate import judge
 from mgjax.avoidance.follow import play_on
+from mgjax.avoidance.search import HOPELESS_M
 from mgjax.avoidance.selection import Selection, select
 from mgjax.avoidance.tables import edge_tables
 from mgjax.avoidance.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE
@@ -282,13 +283,23 @@ def test_bad_nodes_and_forms(made_graph: MotionGraph) -> None:
 
 
 def test_unchecked_candidates_are_not_called_hit(any_graph: MotionGraph, answers: list) -> None:
+    # Called hit is what is looked at and touched, and what the samples show deep in the attack.
+    config = replace(QUICK, checks=1)
+    seen = 0
     for node, attack, chosen in with_status(answers, "hit"):
-        one = select(any_graph, node, attack, config=replace(QUICK, checks=1))
-        assert one.dropped.hit == (1 if one.status == "hit" else 0)
-        if one.status == "hit":
-            rest = chosen.dropped.hit + chosen.dropped.overflow - 1
-            assert one.dropped.overflow == rest
-        break
+        one = select(any_graph, node, attack, config=config)
+        if one.status != "hit":
+            continue
+        _, found = judged(any_graph, node, attack, config)
+        usable = found["status"] == OK
+        deep = int((usable & (found["d"] < -HOPELESS_M)).sum())
+        looked_at = max(min(int(usable.sum()) - deep, 1), 0)
+        assert one.dropped.hit >= looked_at
+        assert abs(one.dropped.hit - max(deep + looked_at, 1)) <= 1  # one at the border, by rounding
+        total = chosen.dropped.hit + chosen.dropped.overflow
+        assert one.dropped.hit + one.dropped.overflow == total
+        seen += 1
+    assert seen
 
 
 def test_capacity_is_counted(any_graph: MotionGraph, answers: list) -> None:

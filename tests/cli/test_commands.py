@@ -22,6 +22,8 @@ BUILD_KEYS = {
 AVOID_KEYS = {
     *("status", "candidates", "dropped", "walk", "time_scale", "energy", "clearance_m"),
 }
+COMMANDS = ["info", "build", "avoid", "coverage", "walk", "scene", "sensor", "demo", "bench"]
+DROPPED = {"culled", "not_adjustable", "time_scale", "hit", "overflow"}
 AVOID_FILES = {"motion.bvh", "result.json", "scene.png", "volumes.npz"}
 PNG = b"\x89PNG\r\n\x1a\n"
 THROW = ("--from", 0.5, 1.4, 5, "--at", 0, 1.4, 0, "--speed", 10, "--arrives", 1.2)
@@ -35,7 +37,8 @@ def test_help_needs_no_jax() -> None:
     script = (
         "import sys\n"
         "from mgjax.cli import main\n"
-        "for words in ([], ['info'], ['build'], ['avoid'], ['demo'], ['bench']):\n"
+        f"NAMES = {COMMANDS}\n"
+        "for words in ([], *([name] for name in NAMES)):\n"
         "    try:\n        main([*words, '--help'])\n"
         "    except SystemExit as stop:\n        assert not stop.code, words\n"
         "    else:\n        raise AssertionError(words)\n"
@@ -94,7 +97,7 @@ def test_build(built: tuple[Path, Ran], clips_folder: Path) -> None:
     assert ran.err == ""
     result = ran.json
     assert set(result) >= BUILD_KEYS
-    assert files(folder) == {"graph.safetensors", "build.json"}
+    assert files(folder) == {"graph.safetensors", "grid_index.safetensors", "build.json"}
     assert json.loads((folder / "build.json").read_text()) == result
     graph = load_graph(folder)
     assert (result["nodes"], result["edges"]) == (graph.num_nodes, graph.num_edges)
@@ -164,7 +167,7 @@ def test_avoid(built: tuple[Path, Ran], tmp_path: Path, more: tuple) -> None:
         assert (ran.status, ran.err) == (0, "")
         result = ran.json
         assert set(result) >= AVOID_KEYS
-        assert set(result["dropped"]) == {"not_adjustable", "time_scale", "hit", "overflow"}
+        assert set(result["dropped"]) == DROPPED
         seen.add(result["status"])
         check_files(out, result, 0.2 if more else 0.12)
         end = 0.0

@@ -1,0 +1,195 @@
+"""Ten thousand random attacks, odd ones among them: nothing raises, nothing called avoided touches.
+
+Balls that are fast, slow, tiny, huge, under way already, falling, through the floor or at rest;
+several at once; spheres that turn sharply; and attacks that have to be refused. Every choice that
+is called avoided is written as motion and swept 240 times a second by code that shares nothing with
+the search. Programs that are compiled after the first half, and memory, are counted.
+
+    python -m experiments.benchmarks.random_attacks --set graph=DIR --set attacks=10000
+"""
+
+from __future__ import annotations
+
+import resource
+import time
+from collections import Counter
+from dataclasses import dataclass, replace
+from typing import Any
+
+import jax
+import numpy as np
+from tqdm import tqdm
+
+from experiments.avoidance.graphs import graph_of
+from mgjax.avoidance.attack import Attack, ball_attack
+from mgjax.avoidance.attack_merge import merge_attacks
+from mgjax.avoidance.check import CLEAR_M, clearance, trace_motion, walk_motion
+from mgjax.avoidance.choice import choose
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.search import bound, search_one
+from mgjax.avoidance.volumes import preset_spheres
+from mgjax.core.errors import AttackError
+from mgjax.graph.types import MotionGraph
+from mgjax.runs.experiment import Results, experiment
+
+KINDS = (
+    "ball", "falling", "fast", "slow", "tiny", "huge", "at rest", "through the floor",
+    "under way", "late", "two balls", "zigzag", "not finite", "inside the body",
+)  # fmt: skip
+REFUSED = ("not finite", "inside the body")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """Settings.
+
+    Attributes:
+        graph: folder of a graph; "" for that of the embedded clips.
+        attacks: how many; the second half has to run without compiling anything.
+        seed: draws them.
+    """
+
+    graph: str = ""
+    attacks: int = 10_000
+    seed: int = 0
+
+    @classmethod
+    def smoke(cls) -> dict[str, Any]:
+        """A few at the embedded clips."""
+        return {"attacks": 2 * len(KINDS)}
+
+
+def random_attack(kind: str, rng: np.random.Generator) -> Attack:
+    """One attack of a kind, in the frame of a character at the origin."""
+    side, height = rng.uniform(0, 2 * np.pi), rng.uniform(0.3, 1.8)
+    at = np.array([0.0, height, 0.0])
+    start = at + rng.uniform(3, 9) * np.array([np.sin(side), rng.uniform(-0.05, 0.2), np.cos(side)])
+    start[1] = max(start[1], 0.0)
+    speed, arrives = rng.uniform(8, 14), rng.uniform(0.4, 1.9)
+    if kind == "falling":
+        return ball_attack(start, at, speed=speed + 6, arrives=arrives, gravity=True)
+    if kind == "fast":
+        return ball_attack(start, at, speed=rng.uniform(30, 200), arrives=arrives)
+    if kind == "slow":
+        return ball_attack(start, at, speed=rng.uniform(1.0, 3.0), arrives=arrives + 1)
+    if kind == "tiny":
+        return ball_attack(start, at, speed=speed, arrives=arrives, radius=0.01)
+    if kind == "huge":
+        return ball_attack(start * 2, at, speed=speed, arrives=arrives, radius=1.5)
+    if kind == "at rest":
+        return still(start * rng.uniform(0.1, 1.0), rng.uniform(0.1, 3.0), 0.12)
+    if kind == "through the floor":
+        low = at * [1, 0, 1] + [0, -0.3, 0]
+        return moving(start, low, arrives - 0.3, arrives + 0.4)
+    if kind == "under way":
+        return ball_attack(start, at, speed=speed, arrives=rng.uniform(0.05, 0.3))
+    if kind == "late":
+        return ball_attack(start, at, speed=speed, arrives=rng.uniform(3, 6))
+    if kind == "two balls":
+        other = ball_attack(start[[2, 1, 0]], at, speed=speed, arrives=arrives + 0.2)
+        return merge_attacks([ball_attack(start, at, speed=speed, arrives=arrives), other])
+    if kind == "zigzag":
+        times = np.linspace(0.2, 2.0, 8)
+        centres = rng.normal(at, 0.8, size=(8, 1, 3))
+        return Attack(times=times, centres=centres, radii=np.array([0.1]))
+    if kind == "not finite":
+        given = moving(start, at, 0.5, 1.0)
+        return replace(given, centres=given.centres * np.nan)
+    if kind == "inside the body":
+        return still(np.array([0.0, 1.0, 0.0]), 1.0, 0.3)
+    return ball_attack(start, at, speed=speed, arrives=arrives)
+
+
+def still(place: np.ndarray, seconds: float, radius: float) -> Attack:
+    """A sphere that does not move."""
+    centres = np.stack([place, place])[:, None]
+    return Attack(times=np.array([0.0, seconds]), centres=centres, radii=np.array([radius]))
+
+
+def moving(start: np.ndarray, stop: np.ndarray, begin: float, end: float) -> Attack:
+    """A sphere on a straight line, also where no ball could be thrown."""
+    centres = np.stack([start, stop])[:, None]
+    return Attack(times=np.array([begin, end]), centres=centres, radii=np.array([0.12]))
+
+
+def run(config: Config) -> Results:
+    graph, settings = graph_of(config.graph), AvoidanceConfig()
+    rng = np.random.default_rng(config.seed)
+    found: Counter[tuple[str, str]] = Counter()
+    touched, raised, seconds = 0, [], []
+    compiled, memory = [_programs()], [_megabytes()]
+    for number in tqdm(range(config.attacks), leave=False):
+        kind = KINDS[number % len(KINDS)]
+        attack, node = random_attack(kind, rng), int(rng.integers(graph.num_nodes))
+        begin = time.perf_counter()
+        try:
+            choice = choose(graph, node, attack, config=settings)
+        except AttackError:
+            found[kind, "refused"] += 1
+            continue
+        except Exception as error:  # counted: that there is none is what is to be shown
+            raised.append(f"{kind}: {type(error).__name__}: {error}")
+            continue
+        seconds.append(time.perf_counter() - begin)
+        found[kind, choice.status] += 1
+        if choice.status == "avoided":
+            touched += least_distance(graph, attack, choice.walk, settings) < CLEAR_M - 1e-4
+        if number + 1 == config.attacks // 2:
+            compiled.append(_programs())
+            memory.append(_megabytes())
+    compiled.append(_programs())
+    memory.append(_megabytes())
+    accepted = sum(
+        n for (kind, status), n in found.items() if kind in REFUSED and status != "refused"
+    )
+    metrics = {
+        "attacks": config.attacks,
+        "raised": raised,
+        "avoided_but_touched": touched,
+        "accepted_that_had_to_be_refused": accepted,
+        "by_kind": {
+            kind: {s: n for (k, s), n in sorted(found.items()) if k == kind} for kind in KINDS
+        },
+    }
+    half = compiled[-1] - compiled[-2]
+    timings = {
+        "programs_compiled": compiled[-1] - compiled[0],
+        "programs_compiled_in_the_second_half": half,
+        "memory_mb": memory,
+        "median_ms": 1e3 * float(np.median(seconds)),
+        "p95_ms": 1e3 * float(np.percentile(seconds, 95)),
+    }
+    lines = (
+        f"{config.attacks} attacks: {len(raised)} raised, {touched} called avoided and touched,"
+        f" {accepted} accepted that had to be refused",
+        f"{timings['programs_compiled']} programs, {half} of them in the second half; memory"
+        f" {memory[-2]:.0f} MB half-way, {memory[-1]:.0f} MB at the end; median"
+        f" {timings['median_ms']:.2f} ms, p95 {timings['p95_ms']:.2f} ms",
+    )
+    return Results(metrics=metrics, timings=timings, lines=lines)
+
+
+def least_distance(
+    graph: MotionGraph, attack: Attack, walk: Any, settings: AvoidanceConfig
+) -> float:
+    """Clearance of the written motion, swept 240 times a second."""
+    spheres = preset_spheres(graph.skeleton)
+    motion = walk_motion(graph, walk, attack.end + settings.settle_s)
+    return clearance(attack, trace_motion(graph, spheres, motion), spheres.radii)[1]
+
+
+def _programs() -> int:
+    """Compiled shapes of the search."""
+    caches: Any = (search_one, bound)
+    return sum(each._cache_size() for each in caches)
+
+
+def _megabytes() -> float:
+    """Memory in use now."""
+    jax.effects_barrier()
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * resource.getpagesize() / 1e6
+
+
+if __name__ == "__main__":
+    experiment(run, Config)
