@@ -26,7 +26,7 @@ from experiments.ballsport.kicks import (
     embedded_kicks,
     without_t_pose,
 )
-from mgjax.ballsport.analyse import BoneHit, LiveAnalysis, analyse
+from mgjax.ballsport.analysis import BoneHit, LiveAnalysis, analyse
 from mgjax.ballsport.config import FEET, AnalysisConfig
 from mgjax.clips.types import Clip
 from mgjax.core.kinematics import global_positions

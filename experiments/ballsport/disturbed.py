@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from mgjax.ballsport.analyse import BoneHit, analyse
+from mgjax.ballsport.analysis import BoneHit, analyse
 from mgjax.ballsport.clip_set import ClipSet
 from mgjax.ballsport.config import FEET, AnalysisConfig
 from mgjax.ballsport.key_poses import MotionVectors, stack

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mgjax.ballsport.clip_set import ClipSet
-from mgjax.ballsport.join import join
+from mgjax.ballsport.joining import join
 from mgjax.ballsport.transition import TransitionTable
 from mgjax.core.kinematics import global_positions
 

@@ -56,7 +56,7 @@ class Config:
     @classmethod
     def smoke(cls) -> dict[str, Any]:
         """A few at the embedded clips."""
-        return {"attacks": 2 * len(KINDS)}
+        return {"attacks": 6}
 
 
 def random_attack(kind: str, rng: np.random.Generator) -> Attack:
@@ -84,7 +84,7 @@ def random_attack(kind: str, rng: np.random.Generator) -> Attack:
     if kind == "under way":
         return ball_attack(start, at, speed=speed, arrives=rng.uniform(0.05, 0.3))
     if kind == "late":
-        return ball_attack(start, at, speed=speed, arrives=rng.uniform(3, 6))
+        return ball_attack(start, at, speed=speed, arrives=rng.uniform(2, 3))
     if kind == "two balls":
         other = ball_attack(start[[2, 1, 0]], at, speed=speed, arrives=arrives + 0.2)
         return merge_attacks([ball_attack(start, at, speed=speed, arrives=arrives), other])

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from mgjax.ballsport.analyse import BoneHit, analyse
+from mgjax.ballsport.analysis import BoneHit, analyse
 from mgjax.ballsport.config import KINDS, ClipSetConfig, KindConfig
 from mgjax.ballsport.hits import hit_joint, links, validate_analysis
 from mgjax.ballsport.key_poses import MotionVectors, leg_length, stack

@@ -1,4 +1,4 @@
-"""The command line: ``mgjax info | build | avoid | walk | coverage | demo | bench | sensor``.
+"""The command line: ``mgjax --help`` lists its commands.
 
 ``--help`` must be quick, so nothing heavy is imported before a command has been chosen.
 """
@@ -10,7 +10,7 @@ from typing import Annotated
 
 import tyro
 
-from mgjax.cli.commands import Avoid, Bench, Build, Coverage, Demo, Info, Sensor, Walk
+from mgjax.cli.commands import Avoid, Bench, Build, Coverage, Demo, Info, Scene, Sensor, Walk
 
 Command = (
     Annotated[Info, tyro.conf.subcommand("info")]
@@ -18,6 +18,7 @@ Command = (
     | Annotated[Avoid, tyro.conf.subcommand("avoid")]
     | Annotated[Walk, tyro.conf.subcommand("walk")]
     | Annotated[Coverage, tyro.conf.subcommand("coverage")]
+    | Annotated[Scene, tyro.conf.subcommand("scene")]
     | Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
     | Annotated[Sensor, tyro.conf.subcommand("sensor")]

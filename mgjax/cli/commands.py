@@ -126,6 +126,21 @@ class Walk(Output):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Scene(Output):
+    """Make a scene of players who pass a ball to one another."""
+
+    config: Path
+    """TOML file of the scene: players, passes, court."""
+    out: Path
+    """Folder for one BVH file per player, ball.csv, timeline.json and scene.png."""
+
+    def run(self) -> None:
+        from mgjax.cli.scene import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Demo(Output):
     """Throw balls at a character made of the embedded clips."""
 

@@ -16,6 +16,9 @@ from mgjax.hybrid.path_curve import make_curve
 from mgjax.hybrid.path_result import PathResult
 from mgjax.hybrid.path_search import follow
 from mgjax.hybrid.path_sketch import load_sketch
+from mgjax.hybrid.reach_result import ReachResult
+from mgjax.hybrid.reach_targets import load_targets
+from mgjax.hybrid.reach_walk import reach
 from mgjax.io.bvh_write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.runs.config import load_config
@@ -32,14 +35,25 @@ def run(command: Walk) -> None:
             raise ConfigError(f"got --seconds {command.seconds:g}, expected more than 0")
         config = replace(config, time_limit_s=command.seconds)
     sketch = load_sketch(command.path, spline=command.spline, closed=command.closed)
+    targets = None if command.reach is None else load_targets(command.reach)
     graph = load_graph(command.graph)
     with output_folder(command.out) as folder:
-        walked = follow(graph, sketch, config=config)
+        if targets is None:
+            reached = None
+            walked = follow(graph, sketch, config=config)
+        else:
+            reached = reach(graph, sketch, targets, path=config)
+            walked = reached.walked
+        motion = walked.motion if reached is None else reached.motion
         result = walk_json(graph, walked, make_curve(sketch).length)
+        lines = [describe(result)]
+        if reached is not None:
+            result |= reach_json(reached)
+            lines += [describe_target(row) for row in result["targets"]]
         (folder / "result.json").write_text(to_json(result) + "\n")
-        save_bvh(folder / "motion.bvh", graph.skeleton, walked.motion)
-        walk_picture(folder / "walk.png", graph, sketch, walked)
-    emit(result, [describe(result), f"written to {command.out}"], as_json=command.json)
+        save_bvh(folder / "motion.bvh", graph.skeleton, motion)
+        walk_picture(folder / "walk.png", graph, sketch, walked, reached)
+    emit(result, [*lines, f"written to {command.out}"], as_json=command.json)
 
 
 def walk_json(graph: MotionGraph, walked: PathResult, length: float) -> dict[str, Any]:
@@ -69,6 +83,55 @@ def walk_json(graph: MotionGraph, walked: PathResult, length: float) -> dict[str
         "start": walked.start.tolist(),
         "walk": _edges_json(graph, walked),
     }
+
+
+def reach_json(reached: ReachResult) -> dict[str, Any]:
+    """What limbs reached as JSON values; times are those of the motion that is written."""
+    rate = reached.motion.frame_rate
+
+    def number(value: float) -> float | None:
+        return value if math.isfinite(value) else None
+
+    rows = [
+        {
+            "limb": row.target.limb,
+            "when": row.target.when,
+            "status": row.status,
+            "error_m": number(row.error_m),
+            "hold_error_m": number(row.hold_m),
+            "from_s": None if row.first is None else row.first / rate,
+            "to_s": None if row.last is None else row.last / rate,
+            "extended_m": row.extended_m,
+            "stopped": row.stopped,
+            "pelvis_drop_m": row.drop_m,
+            "clearance_m": number(row.clear_m),
+        }
+        for row in reached.targets
+    ]
+    return {
+        "targets": rows,
+        "motion_s": (reached.motion.num_frames - 1) / rate,
+        "reach_s": reached.solve_s,
+        "fastest_turn_deg_s": reached.fastest_deg_s,
+        "fastest_turn_of_walk_deg_s": reached.fastest_plain_deg_s,
+        "foot_slide_with_reach_m_per_frame": reached.slide,
+    }
+
+
+def describe_target(row: dict[str, Any]) -> str:
+    """One line for people on one target."""
+    text = f"{row['limb']} {row['when']}: {row['status']}"
+    if row["from_s"] is not None:
+        text += f" from {row['from_s']:.2f} to {row['to_s']:.2f} s"
+    if row["hold_error_m"] is not None:
+        text += (
+            f", {1000 * row['error_m']:.1f} mm off, {1000 * row['hold_error_m']:.1f} in the hold"
+        )
+    if row["extended_m"]:
+        text += f", {row['extended_m']:.1f} m of way added"
+    if row["clearance_m"] is not None:
+        text += f", {100 * row['clearance_m']:.0f} cm clear"
+    return text
 
 
 def _edges_json(graph: MotionGraph, walked: PathResult) -> list[dict[str, Any]]:

@@ -58,7 +58,7 @@ def prepare_clips(
         lost = set(labels.get(clip.name, ()))
         for name, start, stop in _pieces(clip, notes):
             motion = resample(cut(clip.motion, start, stop), frame_rate)
-            scale = _standing_height(skeleton) / _standing_height(clip.skeleton)
+            scale = standing_height(skeleton) / standing_height(clip.skeleton)
             motion = replace(motion, root_translation=motion.root_translation * np.float32(scale))
             kept, frames = _labels_of_piece(clip, labels, start, stop, motion)
             lost -= set(kept)
@@ -117,7 +117,7 @@ def _pieces(clip: Clip, notes: list[str]) -> list[tuple[str, int, int]]:
     ]
 
 
-def _standing_height(skeleton: Skeleton) -> float:
+def standing_height(skeleton: Skeleton) -> float:
     """Height of the root over the left ball of the foot with straight legs, m; 1 without legs.
 
     Between CMU's subjects this keeps planted feet within 1 cm of the floor on the average of a

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mgjax.clips.prepare import _standing_height
+from mgjax.clips.prepare import standing_height
 from mgjax.core import quaternion
 from mgjax.core.contacts import foot_joints
 from mgjax.core.errors import MotionError
@@ -64,7 +64,7 @@ def retarget(source: Skeleton, motion: Motion, target: Skeleton) -> Motion:
             if above is None
             else quaternion.multiply(quaternion.conjugate(above), world[:, joint])
         )
-    scale = _standing_height(target) / _standing_height(source)
+    scale = standing_height(target) / standing_height(source)
     root = np.asarray(motion.root_translation, np.float64) * scale
     moved = forward(target, root, local)[0]
     root[:, 1] += _floor(source, places) * scale - _floor(target, np.asarray(moved))

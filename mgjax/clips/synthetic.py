@@ -85,12 +85,12 @@ def synthetic_clips(
     clips: list[Clip] = []
     for name, score in scores.items():
         score.time += spare
-        motion = _perform(score, frame_rate)
+        motion = perform(score, frame_rate)
         clips.append(Clip(name=name, skeleton=skeleton, motion=motion))
     return clips, {name: tuple(s.labels) for name, s in scores.items() if s.labels}
 
 
-def _perform(score: Score, frame_rate: float) -> Motion:
+def perform(score: Score, frame_rate: float) -> Motion:
     """The motion of a score."""
     ratio = max(1, int(np.ceil(_FINE_HZ / frame_rate)))
     frames = round(score.time * frame_rate)
@@ -100,11 +100,14 @@ def _perform(score: Score, frame_rate: float) -> Motion:
     def smooth(x: Array, seconds: float) -> np.ndarray:
         return gaussian_filter1d(x, seconds * rate, axis=0, mode="nearest")
 
-    c = _channels(score, t)
-    feet = (_foot(score, 0, t, smooth, c["heel_l"]), _foot(score, 1, t, smooth, c["heel_r"]))
-    base = _base(score, t, smooth)
+    c = make_channels(score, t)
+    feet = (
+        make_foot(score, 0, t, smooth, c["heel_l"]),
+        make_foot(score, 1, t, smooth, c["heel_r"]),
+    )
+    base = make_base(score, t, smooth)
     _couple_gait(c, base, feet, t, smooth)
-    root = _root(c, base, feet, rate, smooth)
+    root = make_root(c, base, feet, rate, smooth)
     lifted, tucked = _jumps(score, t)
     root[:, 1] += lifted
     for foot in feet:
@@ -127,7 +130,7 @@ def _perform(score: Score, frame_rate: float) -> Motion:
     )
 
 
-def _channels(score: Score, t: np.ndarray) -> dict[str, np.ndarray]:
+def make_channels(score: Score, t: np.ndarray) -> dict[str, np.ndarray]:
     """Neutral stance, idle sway and gestures; m and rad."""
     c = {name: np.full_like(t, _NEUTRAL_DEG.get(name, 0.0)) for name in CHANNELS}
     fade = ease(t / _EDGE_S) * ease((t[-1] - t) / _EDGE_S)
@@ -142,7 +145,7 @@ def _channels(score: Score, t: np.ndarray) -> dict[str, np.ndarray]:
     return {n: x if n in _LENGTHS else np.radians(x) for n, x in c.items()}
 
 
-def _foot(score: Score, foot: int, t: np.ndarray, smooth: Smooth, heel: np.ndarray) -> Foot:
+def make_foot(score: Score, foot: int, t: np.ndarray, smooth: Smooth, heel: np.ndarray) -> Foot:
     """Where a foot is: planted exactly in its places, carried on minimum-jerk arcs in between."""
     ball = np.tile(body.BALLS[foot], (len(t), 1))
     yaw = np.full_like(t, _TOE_OUT * (1 if foot == 0 else -1))
@@ -180,7 +183,7 @@ def _pitch_keys(s: Step) -> list[tuple[float, float]]:
     ]
 
 
-def _base(score: Score, t: np.ndarray, smooth: Smooth) -> np.ndarray:
+def make_base(score: Score, t: np.ndarray, smooth: Smooth) -> np.ndarray:
     """[F,3] planar place of the body over its feet: (θ, x, z)."""
     base = np.zeros((len(t), 3))
     over = np.zeros((len(t), 3))
@@ -219,7 +222,7 @@ def _couple_gait(
     c["lean"] += 0.025 * (push[:, 0] * cos - push[:, 1] * sin)
 
 
-def _root(
+def make_root(
     c: dict[str, np.ndarray], base: np.ndarray, feet: tuple[Foot, Foot], rate: float, smooth: Smooth
 ) -> np.ndarray:
     """[F,3] place of the root: over the base, and no higher than the planted legs allow."""

@@ -192,12 +192,12 @@ def _perform(score: _KickScore, frame_rate: float) -> Motion:
     def smooth(x: Array, seconds: float) -> np.ndarray:
         return gaussian_filter1d(x, seconds * rate, axis=0, mode="nearest")
 
-    c = base_set._channels(score, t)
-    over = base_set._base(score, t, smooth)
-    planted = [base_set._foot(score, i, t, smooth, c[f"heel_{'lr'[i]}"]) for i in (0, 1)]
+    c = base_set.make_channels(score, t)
+    over = base_set.make_base(score, t, smooth)
+    planted = [base_set.make_foot(score, i, t, smooth, c[f"heel_{'lr'[i]}"]) for i in (0, 1)]
     feet = (_kicked(score, 0, planted[0], t, over, smooth),)
     feet += (_kicked(score, 1, planted[1], t, over, smooth),)
-    root = base_set._root(c, over, feet, rate, smooth)
+    root = base_set.make_root(c, over, feet, rate, smooth)
     gaze = np.interp(t + 0.2, t, over[:, 0])
     picked = slice(None, None, ratio)
     left, right = (Foot(**{n: x[picked] for n, x in vars(foot).items()}) for foot in feet)

@@ -31,6 +31,12 @@ _HOMES: dict[str, str] = {
     "steady_joints": "mgjax.hybrid.limbs",
     "chain_rotations": "mgjax.hybrid.rotations",
     "moved_joints": "mgjax.hybrid.limb_pose",
+    "ReachConfig": "mgjax.hybrid.reach_config",
+    "ReachResult": "mgjax.hybrid.reach_result",
+    "Target": "mgjax.hybrid.reach_targets",
+    "load_targets": "mgjax.hybrid.reach_targets",
+    "make_target": "mgjax.hybrid.reach_targets",
+    "reach": "mgjax.hybrid.reach_walk",
     "reach_pose": "mgjax.hybrid.limb_pose",
 }
 __all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]

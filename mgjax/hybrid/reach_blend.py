@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.core import quaternion
-from mgjax.core.kinematics import forward
+from mgjax.core import planar, quaternion
+from mgjax.core.kinematics import forward, planar_frames
 from mgjax.core.motion import Motion
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.limbs import LIMBS, Limb, find_limb
@@ -19,6 +19,9 @@ from mgjax.hybrid.reach_key import Key
 from mgjax.hybrid.reach_limits import reach_limits
 from mgjax.hybrid.reach_solve import follow_targets, make_rig, whole_pose
 from mgjax.hybrid.reach_targets import Target
+
+_SETTLE_S = 0.15
+"""Time in which a goal comes to rest relative to the body."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -115,20 +118,62 @@ def _goals(
     share: Float[np.ndarray, "S F"],
     rows: np.ndarray,
 ) -> Float[np.ndarray, "F E 3"]:
+    """Where the limbs' ends are to be: of the walk's place and the targets' so much of each."""
     positions = np.asarray(forward(graph.skeleton, root, local)[0], np.float64)
+    planes = np.asarray(planar_frames(graph.skeleton, positions))
     walked = positions[:, [limb.joints[-1] for limb in limbs]]
     goals = walked.copy()
     names = [limb.name for limb in limbs]
     for number, span in enumerate(group):
-        seconds = (rows - span.first) / graph.frame_rate
         for target in span.targets:
             column = names.index(target.limb)
-            way = target.at(seconds) - walked[:, column]
+            way = _carried(target, span, planes, rows, graph.frame_rate) - walked[:, column]
             goals[:, column] += share[number][:, None] * way
     return goals
+
+
+def _carried(
+    target: Target,
+    span: Span,
+    planes: Float[np.ndarray, "F 3"],
+    rows: np.ndarray,
+    frame_rate: float,
+) -> Float[np.ndarray, "F 3"]:
+    """The target over its hold; before and after that a place that goes along with the body.
+
+    A second earlier the target may be far out of reach, and an arm stretched towards it would snap
+    when it comes near. So the goal keeps its place before the body, and the velocity that it has
+    relative to the body at the beginning or the end of the hold dies down within a few frames.
+    """
+    own = np.asarray(
+        planar.apply(
+            np.asarray(planar.inverse(planes)), target.at((rows - span.first) / frame_rate)
+        )
+    )
+    for edge, sign in ((span.first, -1), (span.last, 1)):
+        at = edge - int(rows[0])
+        low, high = max(at - 1, 0), min(at + 1, len(rows) - 1)
+        velocity = (own[high] - own[low]) * frame_rate / (high - low)
+        seconds = np.maximum(sign * (rows - edge), 0) / frame_rate
+        way = sign * _SETTLE_S * (1 - np.exp(-seconds / _SETTLE_S))
+        own = np.where((seconds > 0)[:, None], own[at] + way[:, None] * velocity, own)
+    return np.asarray(planar.apply(planes, own))
 
 
 def turn_speeds(motion: Motion) -> Float[np.ndarray, "F J"]:
     """Degrees per second by which each joint turns from one frame to the next."""
     local = np.asarray(motion.local_rotations, np.float64)
-    return np.degrees(np.asarray(quaternion.angle_between(local[:-1], local[1:]))) * motion.frame_rate
+    return (
+        np.degrees(np.asarray(quaternion.angle_between(local[:-1], local[1:]))) * motion.frame_rate
+    )
+
+
+def fastest_turn(motion: Motion, plain: Motion) -> float:
+    """Fastest turn of a joint where it turns more than 5 % faster than in the plain motion."""
+    return float(fast_frames(motion, plain).max())
+
+
+def fast_frames(motion: Motion, plain: Motion) -> Float[np.ndarray, " F"]:
+    """That fastest turn from each frame to the next, degrees/s; 0 where no joint turns faster."""
+    turned, before = turn_speeds(motion), turn_speeds(plain)
+    return np.where(turned > 1.05 * before + 1.0, turned, 0.0).max(axis=1)

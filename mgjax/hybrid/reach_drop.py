@@ -31,8 +31,10 @@ def lower_pelvis(skeleton: Skeleton, motion: Motion, drop: Float[np.ndarray, " F
     down = drop[rows, None] * np.array([[0.0, -1.0, 0.0]])
     root[rows] += down
     for side in ("left", "right"):
-        hip, knee, ankle = require_roles(skeleton, tuple(f"{side}_{p}" for p in ("hip", "knee", "ankle")))
-        places = [old[:, joint] + down for joint in (hip, knee, ankle)]
+        hip, knee, ankle = require_roles(
+            skeleton, tuple(f"{side}_{p}" for p in ("hip", "knee", "ankle"))
+        )
+        places = (old[:, hip] + down, old[:, knee] + down, old[:, ankle] + down)
         ahead = quaternion.rotate(turns[:, 0], np.broadcast_to([0.0, 0.0, 1.0], places[0].shape))
         hip_turn, knee_turn = two_bone.solve(*places, old[:, ankle], ahead)
         thigh = quaternion.multiply(hip_turn, turns[:, hip])

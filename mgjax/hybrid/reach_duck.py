@@ -23,7 +23,7 @@ from mgjax.hybrid.reach_targets import Bar
 
 CLEAR_M = 0.02
 """What is to be left between body and bar."""
-_NEAR_M = 0.55
+_NEAR_M = 0.75
 """The body stays down while its root is so near to the bar on the floor."""
 _LEAN = math.radians(75.0)
 """How far the head turns forward about the hips in the deepest duck."""
@@ -51,9 +51,7 @@ def clearance(graph: MotionGraph, motion: Motion, bar: Bar) -> Float[np.ndarray,
     return to_bar(body_of(graph.skeleton), positions, bar.ends, bar.radius)
 
 
-def duck(
-    graph: MotionGraph, motion: Motion, bar: Bar, blend: int, config: ReachConfig
-) -> Duck:
+def duck(graph: MotionGraph, motion: Motion, bar: Bar, blend: int, config: ReachConfig) -> Duck:
     """The least duck with which the whole body passes under a bar, or the deepest one.
 
     The head's target is its place turned forward about the hips, which lower at the same time with
@@ -63,17 +61,13 @@ def duck(
     plain = clearance(graph, motion, bar)
     if plain.min() >= CLEAR_M:
         return Duck(motion=motion, depth=0.0, frames=None)
-    root = np.asarray(motion.root_translation, np.float64) * [1, 0, 1]
-    floor = np.broadcast_to(bar.ends[0] * [1, 0, 1], root.shape)
-    way = np.broadcast_to((bar.ends[1] - bar.ends[0]) * [1, 0, 1] + [1e-6, 0, 0], root.shape)
-    apart = segment_distance(root, root + [0, 1e-3, 0], floor, way)
-    low = np.flatnonzero((apart < _NEAR_M) | (plain < CLEAR_M))
-    first, last = int(low[0]), int(low[-1])
-    number = np.arange(motion.num_frames)
-    weight = np.minimum(ramp((number - first + blend) / blend), ramp((last + blend - number) / blend))
+    passes = _passes(motion, bar, plain, blend)
+    weight = np.max([_weight(motion.num_frames, *one, blend) for one in passes], axis=0)
+    first, last = passes[0][0], passes[-1][1]
+    middle = sum(passes[0]) // 2
     best: tuple[float, Duck] | None = None
     for depth in np.arange(1, _DEPTHS + 1) / _DEPTHS:
-        moved = _ducked(graph, motion, weight, float(depth), (first + last) // 2, config)
+        moved = _ducked(graph, motion, weight, float(depth), middle, config)
         least = float(clearance(graph, moved, bar).min())
         found = Duck(motion=moved, depth=float(depth), frames=(first, last))
         if best is None or least > best[0]:
@@ -82,6 +76,26 @@ def duck(
             break
     assert best is not None
     return best[1]
+
+
+def _passes(
+    motion: Motion, bar: Bar, plain: Float[np.ndarray, " F"], blend: int
+) -> list[tuple[int, int]]:
+    """First and last frame of each time that the body is under the bar, where it would be hit."""
+    root = np.asarray(motion.root_translation, np.float64) * [1, 0, 1]
+    floor = np.broadcast_to(bar.ends[0] * [1, 0, 1], root.shape)
+    way = np.broadcast_to((bar.ends[1] - bar.ends[0]) * [1, 0, 1] + [1e-6, 0, 0], root.shape)
+    apart = segment_distance(root, root + np.array([0.0, 1e-3, 0.0]), floor, way)
+    low = np.flatnonzero((apart < _NEAR_M) | (plain < CLEAR_M))
+    cuts = np.flatnonzero(np.diff(low) > 2 * blend) + 1
+    runs = [(int(run[0]), int(run[-1])) for run in np.split(low, cuts)]
+    return [(a, b) for a, b in runs if plain[a : b + 1].min() < CLEAR_M]
+
+
+def _weight(frames: int, first: int, last: int, blend: int) -> Float[np.ndarray, " F"]:
+    number = np.arange(frames)
+    rise = ramp((number - first + blend) / blend)
+    return np.minimum(rise, ramp((last + blend - number) / blend))
 
 
 def _ducked(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -18,7 +18,7 @@ from mgjax.hybrid.reach_key import Key, find_key
 from mgjax.hybrid.reach_targets import ReachError, Target
 from mgjax.hybrid.reach_windows import inside_body, places, radius_of
 
-Status = Literal["reached", "out_of_reach", "too_high", "limits", "lost"]
+Status = Literal["reached", "out_of_reach", "too_high", "limits", "lost", "too_fast"]
 _BEFORE_M = 2.5
 """A walk that would pass a target too far away leaves its path so far before it."""
 
@@ -167,7 +167,8 @@ def _extend(
     elif when == "start":
         frame = 0
     elif isinstance(when, str):
-        arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(course.planes[:, 1:], axis=0), axis=1))])
+        steps = np.linalg.norm(np.diff(course.planes[:, 1:], axis=0), axis=1)
+        arc = np.concatenate([[0.0], np.cumsum(steps)])
         frame = int(np.searchsorted(arc, arc[_nearest(course, event)] - _BEFORE_M))
     else:
         frame = round(when * rate)
@@ -194,6 +195,4 @@ def _extend(
 
 def _at_end(event: Event) -> list[Target]:
     """The same targets, to be reached where the extended walk ends."""
-    from dataclasses import replace
-
     return [replace(target, when="end") for target in event.targets]

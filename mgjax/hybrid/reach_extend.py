@@ -86,9 +86,7 @@ def extensions(
             kept = course.edges[:number] + edges
             frames = int(course.graph.edge_frames[list(kept)].sum())
             longer = make_course(course.graph, kept, frames, course.start)
-            found.append(
-                Extension(course=longer, branch=course.frame_of(number), length_m=length)
-            )
+            found.append(Extension(course=longer, branch=course.frame_of(number), length_m=length))
     return found
 
 
@@ -117,7 +115,7 @@ def rejoin(course: Course, target: Float[np.ndarray, "3"], curve: Curve, frame: 
 def _walk(
     graph: MotionGraph, node: int, begin: np.ndarray, line: np.ndarray, path: PathConfig
 ) -> tuple[int, ...] | None:
-    """The edges of a walk along a line, or None where there is none."""
+    """The edges of a walk along a line, as far as it leads; None where there is none."""
     apart = np.linalg.norm(np.diff(line, axis=0), axis=1)
     line = line[np.concatenate([[True], apart > 1e-3])]
     if apart.sum() < 2 * _STEP_M:
@@ -128,4 +126,5 @@ def _walk(
         walked = follow(graph, sketch, config=quick, node=node, start=begin)
     except (PathError, GraphError):
         return None
-    return tuple(walked.walk.edges.tolist()) if walked.status == "followed" else None
+    # Also a walk that loses its way may have come near enough: that is tried next.
+    return tuple(walked.walk.edges.tolist())

@@ -17,7 +17,8 @@ from mgjax.hybrid.limits import JointLimits, joint_limits, swing_twist
 _SPINE_DEG = (-12.0, 32.0, -16.0, 16.0, -18.0, 18.0)
 """Of each joint of the spine: back, forward, to both sides, turned to both sides."""
 _NECK_DEG = (-15.0, 30.0, -15.0, 15.0, -25.0, 25.0)
-_CLAVICLE_DEG = (-16.0, 22.0, -16.0, 22.0, -8.0, 8.0)
+_CLAVICLE_DEG = (-12.0, 25.0, -18.0, 18.0, -8.0, 8.0)
+"""Down, up, and to front and back."""
 _SHOULDER_DEG = (-55.0, 172.0, -95.0, 155.0, -75.0, 75.0)
 """Back, forward and up; across the body, out and up; turned in and out. From the hanging arm."""
 _ELBOW_DEG = (2.0, 148.0)
@@ -75,13 +76,18 @@ def _limits_of(
         return _hinge(skeleton, rotations, joint, bone)
     # Axes in the parent's frame, which has the world's directions in the rest pose.
     left_hip, right_hip = (find_role(skeleton, f"{s}_hip") for s in ("left", "right"))
-    assert left_hip is not None and right_hip is not None
+    assert left_hip is not None
+    assert right_hip is not None
     left = rest[left_hip] - rest[right_hip]
     left[1] = 0.0
     left /= np.linalg.norm(left)
     # Forward and up is a turn about the left for a bone that points up, about the right for an arm
     # that hangs.
     first = -left if part == "shoulder" else left
+    if part == "clavicle":  # it points to the side, and rises by a turn about the front or the back
+        first = np.cross(left, [0.0, 1.0, 0.0]) * (1.0 if side == "left" else -1.0)
+    if part == "wrist":  # of an arm that points to the side
+        first = np.array([0.0, 1.0, 0.0])
     across = quaternion.rotate(quaternion.conjugate(centre), first)
     table = {
         "spine": _SPINE_DEG,
@@ -110,7 +116,9 @@ def _part(skeleton: Skeleton, joint: int) -> tuple[str, str]:
                 return "shoulder", side
             if elbow is not None and joint > elbow:
                 return "wrist", side
-            others = [x for n in LIMBS if n != f"{side}_hand" for x in find_limb(skeleton, n).joints]
+            others = [
+                x for n in LIMBS if n != f"{side}_hand" for x in find_limb(skeleton, n).joints
+            ]
             if joint not in others:
                 return "clavicle", side
     arms = [x for s in ("left", "right") for x in find_limb(skeleton, f"{s}_hand").joints]

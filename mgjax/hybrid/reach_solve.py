@@ -1,4 +1,4 @@
-"""Poses that reach: one key pose, chosen among several, and the poses around it, one from another."""
+"""Poses that reach: a key pose, and the poses around it, each found from its neighbour."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ def _follow(
             count, pose = state
             return count + 1, jnp.where(is_end, pose, stages.descend(rig, pose, limits))
 
-        found = lax.while_loop(more, once, (0, pose))[1]
+        found = lax.while_loop(more, once, (jnp.int32(0), pose))[1]
         return found, found
 
     return lax.scan(step, first, (bases, frames, targets))[1]
@@ -198,7 +198,7 @@ def whole_pose(
     """The body's local rotations with those found, and the steady joints steady."""
     local = local.astype(np.float32)
     _, turns = kinematics.forward(rig.skeleton, root.astype(np.float32), local)
-    new = {joint: found[:, i] for i, joint in enumerate(rig.joints)}
+    new: dict[int, Array] = {joint: found[:, i] for i, joint in enumerate(rig.joints)}
     return np.asarray(with_local_rotations(rig.skeleton, local, turns, new, rig.steady))
 
 

@@ -93,9 +93,9 @@ def make_target(
     *,
     place: Any = None,
     track: Any = None,
-    bar: tuple[Any, Any, float] | None = None,
-    when: float | str | None = None,
-    hold_s: float = HOLD_S,
+    bar: tuple[Any, Any, Any] | None = None,
+    when: Any = None,
+    hold_s: Any = HOLD_S,
 ) -> Target:
     """A target; see :class:`Target`. Exactly one of place, track ([s, x, y, z] rows) and bar.
 
@@ -104,7 +104,9 @@ def make_target(
     """
     if limb not in LIMBS:
         raise ReachError(f"got the limb {quoted(str(limb))}, expected {' | '.join(LIMBS)}")
-    given = [name for name, x in (("place", place), ("track", track), ("bar", bar)) if x is not None]
+    given = [
+        name for name, x in (("place", place), ("track", track), ("bar", bar)) if x is not None
+    ]
     if len(given) != 1:
         got = " and ".join(given) or "no place"
         raise ReachError(f"got {got} for the {limb}, expected one of place | track | bar")
@@ -128,7 +130,7 @@ def make_target(
     return Target(limb=limb, when=when, hold_s=hold_s, seconds=seconds, places=places)
 
 
-def _bar_target(limb: str, bar: tuple[Any, Any, float], when: float | str | None) -> Target:
+def _bar_target(limb: str, bar: tuple[Any, Any, Any], when: Any) -> Target:
     if limb != "head":
         raise ReachError(f"got a bar for the {limb}, expected one for the head")
     if when not in (None, "passing"):
@@ -144,7 +146,7 @@ def _bar_target(limb: str, bar: tuple[Any, Any, float], when: float | str | None
                   bar=Bar(ends=ends, radius=float(radius)))  # fmt: skip
 
 
-def _check_when(limb: str, when: float | str | None, hold_s: float) -> None:
+def _check_when(limb: str, when: Any, hold_s: Any) -> None:
     expected = f"seconds ≥ 0 | {' | '.join(WORDS)}"
     if when is None:
         raise ReachError(f"got no time for the {limb}, expected when: {expected}")
@@ -163,7 +165,7 @@ def _numbers(limb: str, rows: Any, width: int) -> np.ndarray:
     """Rows of finite numbers."""
     what = "[s, x, y, z] of each place" if width == 4 else "[x, y, z]"
     try:
-        found = np.array(rows, dtype=np.float64)
+        found: np.ndarray = np.array(rows, dtype=np.float64)
     except (TypeError, ValueError):
         found = np.zeros(0)
     if found.ndim != 2 or found.shape[1] != width or not len(found):

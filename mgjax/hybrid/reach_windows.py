@@ -63,7 +63,10 @@ def cost_of(
     local = np.asarray(planar.apply(np.asarray(planar.inverse(course.planes)), points))
     apart = np.linalg.norm(points[:, ::2] - base[:, ::2], axis=1)
     radius = np.array(
-        [radius_of(limb, y, b, config.drop_m) for y, b in zip(points[:, 1], base[:, 1], strict=True)]
+        [
+            radius_of(limb, y, b, config.drop_m)
+            for y, b in zip(points[:, 1], base[:, 1], strict=True)
+        ]
     )
     inside = inside_body(course, points) | ~(apart <= radius)
     wanted = np.minimum(AHEAD_M, 0.7 * np.nan_to_num(radius))
@@ -97,9 +100,7 @@ def window_costs(
             views = np.lib.stride_tricks.sliding_window_view(still, steps + 1)
             walking[: count - steps] = views.max(axis=1)
         return walking, still
-    rows = [
-        cost_of(course, limb, np.broadcast_to(p, (count, 3)), config) for p in points
-    ]
+    rows = [cost_of(course, limb, np.broadcast_to(p, (count, 3)), config) for p in points]
     walking = np.max(
         [np.concatenate([row[k:], np.full(k, np.inf)]) for k, row in enumerate(rows)], axis=0
     )

@@ -12,20 +12,31 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from mgjax.core.contacts import foot_joints
-from mgjax.core.kinematics import global_positions
+from mgjax.core.kinematics import global_positions, planar_frames
+from mgjax.core.motion import Motion
 from mgjax.graph.types import NO_CLIP, MotionGraph
+from mgjax.hybrid.limbs import find_limb
 from mgjax.hybrid.path_curve import make_curve
 from mgjax.hybrid.path_feet import walk_plants
 from mgjax.hybrid.path_result import PathResult
 from mgjax.hybrid.path_sketch import Sketch
+from mgjax.hybrid.reach_duck import clearance
+from mgjax.hybrid.reach_result import ReachResult
 
 SKETCH, CLIP, BLEND, LEFT, RIGHT = "#f1c40f", "#c0392b", "#1f6fb4", "#2e86c1", "#27ae60"
+LIMB_COLOURS = {"right_hand": "#e67e22", "left_hand": "#8e44ad", "head": "#16a085"}
 POSES = 24
 """Most poses in the strip."""
 
 
-def walk_picture(path: str | Path, graph: MotionGraph, sketch: Sketch, walked: PathResult) -> None:
-    """Draws a walk into a file."""
+def walk_picture(
+    path: str | Path,
+    graph: MotionGraph,
+    sketch: Sketch,
+    walked: PathResult,
+    reached: ReachResult | None = None,
+) -> None:
+    """Draws a walk into a file, with what is reached on it."""
     mpl.use("Agg")
     figure = Figure(figsize=(13, 9.5), dpi=80, layout="constrained")
     grid = figure.add_gridspec(2, 2, height_ratios=(2.4, 1), width_ratios=(1.25, 1))
@@ -35,10 +46,16 @@ def walk_picture(path: str | Path, graph: MotionGraph, sketch: Sketch, walked: P
         fontweight="bold",
     )
     positions = np.asarray(global_positions(graph.skeleton, walked.motion))
-    top_view(figure.add_subplot(grid[0, 0]), graph, sketch, walked)
+    above = figure.add_subplot(grid[0, 0])
+    top_view(above, graph, sketch, walked)
     _feet(figure.add_subplot(grid[0, 1]), graph, walked, positions)
-    _strip(figure.add_subplot(grid[1, 0]), graph, walked, positions)
-    _over_time(figure.add_subplot(grid[1, 1]), walked)
+    if reached is None:
+        _strip(figure.add_subplot(grid[1, 0]), graph, walked.motion)
+        _over_time(figure.add_subplot(grid[1, 1]), walked)
+    else:
+        hands_above(above, graph, reached)
+        _strip(figure.add_subplot(grid[1, 0]), graph, reached.motion)
+        distances(figure.add_subplot(grid[1, 1]), graph, reached)
     figure.savefig(path)
 
 
@@ -102,12 +119,13 @@ def _feet(axes: Axes, graph: MotionGraph, walked: PathResult, positions: np.ndar
     axes.legend(fontsize=7)
 
 
-def _strip(axes: Axes, graph: MotionGraph, walked: PathResult, positions: np.ndarray) -> None:
+def _strip(axes: Axes, graph: MotionGraph, motion: Motion) -> None:
     """Poses from the side of where the body faces, along time."""
+    positions = np.asarray(global_positions(graph.skeleton, motion))
+    headings = np.asarray(planar_frames(graph.skeleton, positions))[:, 0]
     count = min(POSES, len(positions))
     chosen = np.linspace(0, len(positions) - 1, count).round().astype(int)
     bones = [(p, j) for j, p in enumerate(graph.skeleton.parents) if p >= 0]
-    headings = np.concatenate([walked.start[:1], walked.track.heading])
     for number, frame in enumerate(chosen.tolist()):
         pose = positions[frame] - positions[frame, 0] * [1, 0, 1]
         ahead = pose[:, 0] * np.sin(headings[frame]) + pose[:, 2] * np.cos(headings[frame])
@@ -122,6 +140,53 @@ def _strip(axes: Axes, graph: MotionGraph, walked: PathResult, positions: np.nda
     axes.set_xticks([0.9 * i for i in range(0, count, 4)])
     axes.set_xticklabels([f"{chosen[i] / graph.frame_rate:.1f} s" for i in range(0, count, 4)])
     axes.set_title("poses, turned to face right", fontsize=9)
+
+
+def hands_above(axes: Axes, graph: MotionGraph, reached: ReachResult) -> None:
+    """Targets, bars and the tracks of the limbs' ends around the holds, from above."""
+    positions = np.asarray(global_positions(graph.skeleton, reached.motion))
+    around = round(graph.frame_rate)
+    for number, row in enumerate(reached.targets, 1):
+        colour = LIMB_COLOURS[row.target.limb]
+        if row.target.bar is not None:
+            axes.plot(*row.target.bar.ends[:, ::2].T, color=colour, linewidth=3, alpha=0.7)
+            place = row.target.bar.ends.mean(axis=0)
+        else:
+            place = row.target.places[0]
+            axes.plot(*row.target.places[:, ::2].T, "*", color=colour, markersize=11,
+                      markeredgecolor="k", markeredgewidth=0.4)  # fmt: skip
+        end = find_limb(graph.skeleton, row.target.limb).joints[-1]
+        if row.first is not None and row.last is not None:
+            track = positions[max(row.first - around, 0) : row.last + around + 1, end]
+            axes.plot(*track[:, ::2].T, color=colour, linewidth=1)
+        text = f"{number} {row.target.limb.replace('_', ' ')}: {row.status}"
+        axes.annotate(text, place[::2], (6, 6), textcoords="offset points", fontsize=7)
+
+
+def distances(axes: Axes, graph: MotionGraph, reached: ReachResult) -> None:
+    """Distance of each limb's end to its target, or of the body to a bar, over time."""
+    positions = np.asarray(global_positions(graph.skeleton, reached.motion))
+    seconds = np.arange(len(positions)) / graph.frame_rate
+    for number, row in enumerate(reached.targets, 1):
+        target = row.target
+        if target.bar is not None:
+            away = clearance(graph, reached.motion, target.bar)
+            name = "body to bar"
+        else:
+            end = find_limb(graph.skeleton, target.limb).joints[-1]
+            place = target.at(seconds - (row.first or 0) / graph.frame_rate)
+            away = np.linalg.norm(positions[:, end] - place, axis=-1)
+            name = target.limb.replace("_", " ")
+        axes.plot(seconds, away, color=LIMB_COLOURS[target.limb], label=f"{number} {name}",
+                  linestyle="-" if number % 2 else "--")  # fmt: skip
+        if row.first is not None and row.last is not None:
+            axes.axvspan(row.first / graph.frame_rate, row.last / graph.frame_rate, alpha=0.15,
+                         color=LIMB_COLOURS[target.limb])  # fmt: skip
+    axes.set_ylim(0, 2)
+    axes.set_xlabel("s")
+    axes.set_ylabel("m")
+    axes.set_title("distance to the targets; shaded: held", fontsize=9)
+    axes.legend(fontsize=7)
 
 
 def _over_time(axes: Axes, walked: PathResult) -> None:

@@ -295,7 +295,7 @@ def test_unchecked_candidates_are_not_called_hit(any_graph: MotionGraph, answers
         deep = int((usable & (found["d"] < -HOPELESS_M)).sum())
         looked_at = max(min(int(usable.sum()) - deep, 1), 0)
         assert one.dropped.hit >= looked_at
-        assert abs(one.dropped.hit - max(deep + looked_at, 1)) <= 1  # one at the border, by rounding
+        assert abs(one.dropped.hit - max(deep + looked_at, 1)) <= 1  # rounding
         total = chosen.dropped.hit + chosen.dropped.overflow
         assert one.dropped.hit + one.dropped.overflow == total
         seen += 1

@@ -8,7 +8,7 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 
-from mgjax.ballsport.analyse import LiveAnalysis, analyse
+from mgjax.ballsport.analysis import LiveAnalysis, analyse
 from mgjax.ballsport.config import FEET, HIT_BONES, AnalysisConfig
 from mgjax.ballsport.hits import NO_FRAME, find_hits, hit_joint, links, mark, sections
 from mgjax.ballsport.hits_stream import HitStream

@@ -8,7 +8,7 @@ import pytest
 
 from mgjax.ballsport.clip_set import ClipSet
 from mgjax.ballsport.config import TransitionConfig
-from mgjax.ballsport.join import join
+from mgjax.ballsport.joining import join
 from mgjax.ballsport.transition import (
     NO_SECTION,
     compared_joints,

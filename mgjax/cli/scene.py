@@ -1,0 +1,50 @@
+"""``mgjax scene``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mgjax.ballsport.ball_track import csv_text
+from mgjax.ballsport.scene import build_scene
+from mgjax.ballsport.scene_report import scene_json
+from mgjax.cli.commands import Scene
+from mgjax.cli.report import emit, to_json
+from mgjax.io.bvh_write import save_bvh
+from mgjax.io.output import output_folder
+from mgjax.runs.plot_scene_ball import scene_picture
+from mgjax.runs.scene_file import load_scene
+
+
+def run(command: Scene) -> None:
+    """Makes the scene and writes what came of it."""
+    config = load_scene(command.config)
+    with output_folder(command.out) as folder:
+        scene = build_scene(config)
+        result = scene_json(scene)
+        for name, motion in scene.motions.items():
+            save_bvh(folder / f"{name}.bvh", scene.skeleton, motion)
+        (folder / "ball.csv").write_text(csv_text(scene.ball, scene.frame_rate))
+        (folder / "timeline.json").write_text(to_json(result) + "\n")
+        scene_picture(folder / "scene.png", scene)
+    emit(result, [describe(result), f"written to {command.out}"], as_json=command.json)
+
+
+def describe(result: dict[str, Any]) -> str:
+    """A few lines for people."""
+    worst = result["worst"]
+    lines = [
+        f"{result['passes_made']} passes in {result['seconds']:.1f} s,"
+        f" {result['passes_missed']} missed; the ball arrives within"
+        f" {1000 * worst['arrival_miss_m']:.2f} mm, its surface within"
+        f" {1000 * worst['surface_gap_m']:.2f} mm of the foot's",
+        f"kicks changed by {100 * result['mean_kick_change']:.0f} % of the bone's speed,"
+        f" {100 * worst['kick_change']:.0f} % at most; pace of the links"
+        f" {worst['time_warp']:.2f} at most, seams up to {worst['seam_speed_m_s']:.1f} m/s",
+    ]
+    lines += [
+        f"pass {row['pass']} from {row['by']} to {row['to']}: {row['status']},"
+        f" {row['miss_m']:.2f} m off"
+        for row in result["passes"]
+        if "arrival_miss_m" not in row
+    ]
+    return "\n".join(lines)
