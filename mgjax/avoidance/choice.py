@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from mgjax.avoidance.answer import Choice, Dropped
 from mgjax.avoidance.attack import Attack, Crop, crop_attack
-from mgjax.avoidance.candidates import Candidates, enumerate_candidates
+from mgjax.avoidance.candidates import Candidates, enumerate_candidates, without
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling import without_culled
 from mgjax.avoidance.device_tables import search_tables
@@ -15,7 +15,7 @@ from mgjax.avoidance.follow import idle
 from mgjax.avoidance.grid_cells import touched_cells
 from mgjax.avoidance.grid_index import GridIndex, lookup
 from mgjax.avoidance.search import make_task, search_one
-from mgjax.avoidance.settle import Settled, settle
+from mgjax.avoidance.settle import Settled, better_of, settle
 from mgjax.avoidance.validate import validate_config, validate_start
 from mgjax.graph.types import MotionGraph
 
@@ -41,21 +41,22 @@ def choose(
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     if crop is None:
         return _nothing(graph, node, attack, config, seed)
-    found = None if index is None else lookup_candidates(index, node, attack, crop, config)
-    if found is not None:
-        settled = best_of(graph, node, attack, crop, found, config)
-        if settled.choice is not None and settled.choice.status == "avoided":
-            return settled.choice
-    found = enumerate_candidates(
+    looked_up = None if index is None else lookup_candidates(index, node, attack, crop, config)
+    before = None
+    if looked_up is not None:
+        before = best_of(graph, node, attack, crop, looked_up, config)
+        if before.choice is not None and before.choice.status == "avoided":
+            return before.choice
+    every = enumerate_candidates(
         graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
     )
-    settled = best_of(graph, node, attack, crop, found, config)
-    return settled.choice or replace(
-        _nothing(graph, node, attack, config, seed),
-        candidates=len(found.length) + found.overflow,
-        dropped=settled.dropped,
-        crop=crop,
-    )
+    others = every if looked_up is None else without(every, looked_up)
+    settled = best_of(graph, node, attack, crop, others, config)
+    if before is not None:
+        settled = better_of(settled, before)
+    choice = settled.choice or _nothing(graph, node, attack, config, seed)
+    total = len(every.length) + every.overflow
+    return replace(choice, candidates=total, dropped=settled.dropped, crop=crop)
 
 
 def _nothing(

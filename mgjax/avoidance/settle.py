@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import jax
 import numpy as np
@@ -100,6 +100,19 @@ def settle(
         crop=crop,
     )
     return Settled(choice=choice, dropped=dropped)
+
+
+def better_of(one: Settled, other: Settled) -> Settled:
+    """The choice among all candidates of two sets: the one that avoids, or is touched least."""
+    counts = {f.name: getattr(one.dropped, f.name) + getattr(other.dropped, f.name) for f in
+              fields(Dropped)}  # fmt: skip
+    choices = [x.choice for x in (one, other) if x.choice is not None]
+    best = max(choices, key=_worth, default=None)
+    return Settled(choice=best, dropped=Dropped(**counts))
+
+
+def _worth(choice: Choice) -> tuple[bool, float]:
+    return choice.status == "avoided", choice.clearance_m or 0.0
 
 
 def _lanes(

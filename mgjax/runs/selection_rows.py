@@ -14,7 +14,7 @@ from tqdm import tqdm
 from mgjax.avoidance.attack import Attack, ball_attack, crop_attack
 from mgjax.avoidance.batch import select_batch
 from mgjax.avoidance.candidates import NO_EDGE, Candidates, enumerate_candidates
-from mgjax.avoidance.choice import choose, lookup_candidates
+from mgjax.avoidance.choice import best_of, choose, lookup_candidates
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling import PIXELS, graph_slices
 from mgjax.avoidance.device_tables import search_tables
@@ -95,7 +95,7 @@ def condition_rows(
     times = np.median(seconds, axis=1) * 1e3
     rows = []
     for c, (looked_up, sliced) in enumerate(CONDITIONS):
-        some = np.where(answered, counts[0], counts[1]) if looked_up else counts[1]
+        some = np.where(counts[0] > 0, counts[0], counts[1]) if looked_up else counts[1]
         row = _row(times[c])
         row |= {
             "index": looked_up,
@@ -103,6 +103,7 @@ def condition_rows(
             "candidates": float(some.mean()),
             "compile_s": max(float(first[c] - np.median(seconds[c], axis=0).sum()), 0.0),
             "avoided": float((statuses[c] == "avoided").mean()),
+            "index_holds_candidates": float((counts[0] > 0).mean()),
             "balls": len(balls),
         }
         groups = {"answered_by_the_index": answered, f"from_{MANY}_candidates": counts[1] >= MANY}
@@ -129,9 +130,10 @@ def _counts(
     found = lookup_candidates(index, ball.node, ball.attack, crop, config)
     if found is None or not len(found.length):
         return (0, len(every.length)), False
-    choice = choose(graph, ball.node, ball.attack, config=config, index=index)
-    # Where the index holds nothing that is clear, the candidates are enumerated after all.
-    return (len(found.length), len(every.length)), choice.candidates == len(found.length)
+    settled = best_of(graph, ball.node, ball.attack, crop, found, config)
+    # Where the index holds nothing that is clear, the other candidates are enumerated after all.
+    answered = settled.choice is not None and settled.choice.status == "avoided"
+    return (len(found.length), len(every.length)), answered
 
 
 def _row(times_ms: np.ndarray) -> dict[str, Any]:
