@@ -27,6 +27,7 @@ _HOMES: dict[str, str] = {
     "Net": "mgjax.ballsport.ball",
     "PassDecision": "mgjax.ballsport.live",
     "ReplayConfig": "mgjax.ballsport.sensor_config",
+    "SensorChoice": "mgjax.ballsport.live_scene",
     "SensorReceiver": "mgjax.ballsport.sensor",
     "TransitionConfig": "mgjax.ballsport.config",
     "aim": "mgjax.ballsport.aiming",

@@ -133,6 +133,12 @@ class Scene(Output):
     """TOML file of the scene: players, passes, court."""
     out: Path
     """Folder for one BVH file per player, ball.csv, timeline.json and scene.png."""
+    live: float | None = None
+    """Seconds to listen to a motion sensor: each kick decides the next pass of kind any."""
+    host: str = HOST
+    """Address of this machine to listen on."""
+    port: int = PORT
+    """Its port; 0 takes a free one."""
 
     def run(self) -> None:
         from mgjax.cli.scene import run

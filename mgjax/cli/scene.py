@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import math
+import sys
+from dataclasses import asdict
 from typing import Any
 
 from mgjax.ballsport.ball_track import csv_text
-from mgjax.ballsport.scene import build_scene
+from mgjax.ballsport.live_scene import SensorChoice
+from mgjax.ballsport.scene import Scene as BallScene
+from mgjax.ballsport.scene import build_scene, prepare_scene
+from mgjax.ballsport.scene_config import SceneConfig
 from mgjax.ballsport.scene_report import scene_json
+from mgjax.ballsport.sensor import SensorReceiver
 from mgjax.cli.commands import Scene
 from mgjax.cli.report import emit, to_json
+from mgjax.core.errors import ConfigError
 from mgjax.io.bvh_write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.runs.plot_scene_ball import scene_picture
@@ -19,14 +27,29 @@ def run(command: Scene) -> None:
     """Makes the scene and writes what came of it."""
     config = load_scene(command.config)
     with output_folder(command.out) as folder:
-        scene = build_scene(config)
+        scene, decided = _live(command, config) if command.live else (build_scene(config), [])
         result = scene_json(scene)
+        if command.live:
+            result["decided_live"] = decided
         for name, motion in scene.motions.items():
             save_bvh(folder / f"{name}.bvh", scene.skeleton, motion)
         (folder / "ball.csv").write_text(csv_text(scene.ball, scene.frame_rate))
         (folder / "timeline.json").write_text(to_json(result) + "\n")
         scene_picture(folder / "scene.png", scene)
     emit(result, [describe(result), f"written to {command.out}"], as_json=command.json)
+
+
+def _live(command: Scene, config: SceneConfig) -> tuple[BallScene, list[dict[str, Any]]]:
+    """The scene with passes decided by kicks that a sensor sees, and those kicks."""
+    assert command.live is not None
+    if not 0 < command.live < math.inf:
+        raise ConfigError(f"got --live {command.live:g}, expected more than 0 s")
+    with SensorReceiver(command.host, command.port) as receiver:
+        moves = prepare_scene(config)
+        choice = SensorChoice(moves, receiver, command.live)
+        print(f"listening on {command.host}:{receiver.port}", file=sys.stderr, flush=True)
+        scene = build_scene(config, moves=moves, choose=choice)
+    return scene, [{"touch": touch, **asdict(kick)} for touch, kick in choice.taken]
 
 
 def describe(result: dict[str, Any]) -> str:
