@@ -60,7 +60,7 @@ def condition_rows(
     repeats: int = 3,
     progress: bool = False,
 ) -> list[dict[str, Any]]:
-    """The four conditions of Table 1, taken in turns for each ball.
+    """The four conditions of Table 1, taken in turns for all balls.
 
     A time runs from the attack to the chosen path, its exact check included, and is the median of
     ``repeats`` calls. ``candidates`` is the mean of what the condition starts from: those looked up
@@ -74,8 +74,8 @@ def condition_rows(
     counts = np.zeros((2, len(balls)), dtype=np.int64)
     answered = np.zeros(len(balls), bool)
     for turn in tqdm(range(-1, repeats), desc="turns", leave=False, disable=not progress):
-        for b, ball in enumerate(balls):
-            for c, (looked_up, sliced) in enumerate(CONDITIONS):
+        for c, (looked_up, sliced) in enumerate(CONDITIONS):
+            for b, ball in enumerate(balls):
                 begin = time.perf_counter()
                 choice = choose(
                     graph,
