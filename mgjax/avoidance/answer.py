@@ -30,7 +30,8 @@ class Dropped:
         culled: by slices, before they were judged.
         not_adjustable: no edge may change its speed as needed.
         time_scale: the time scale is not positive, or out of range.
-        hit: the exact check found that the attack touches the body.
+        hit: touched: by the exact check or its certain bounds, or deeper in the sampled volumes than
+            these can be wrong (``HOPELESS_M`` of :mod:`mgjax.avoidance.search`).
         overflow: not judged, or not checked exactly, for lack of room.
     """
 
@@ -54,7 +55,7 @@ class Choice:
         path_length: edges that belong to the path; the last one holds the avoidance part.
         part: the avoidance part, or None.
         time_scale: s_time, or None.
-        candidates: how many satisfy eq. 1.
+        candidates: how many satisfy eq. 1; of those that the index holds, if one of them avoids.
         dropped: why how many of them were dropped.
         energy: of the chosen candidate, or None.
         clearance_m: signed distance of attack and body over the walk, or None without candidate;

@@ -112,6 +112,19 @@ def perform(score: Score, frame_rate: float) -> Motion:
     root[:, 1] += lifted
     for foot in feet:
         foot.ball[:, 1] += tucked
+    return make_motion(c, base, feet, root, t, ratio, frame_rate)
+
+
+def make_motion(
+    channels: dict[str, np.ndarray],
+    base: np.ndarray,
+    feet: tuple[Foot, Foot],
+    root: np.ndarray,
+    t: np.ndarray,
+    ratio: int,
+    frame_rate: float,
+) -> Motion:
+    """The poses of every ``ratio``-th moment; the eyes are 0.2 s ahead of the body's heading."""
     gaze = np.interp(t + 0.2, t, base[:, 0])
     picked = slice(None, None, ratio)
     left, right = (Foot(**{n: x[picked] for n, x in vars(foot).items()}) for foot in feet)
@@ -120,7 +133,7 @@ def perform(score: Score, frame_rate: float) -> Motion:
         root[picked],
         base[picked, 0],
         gaze[picked],
-        {name: c[name][picked] for name in CHANNELS},
+        {name: channels[name][picked] for name in CHANNELS},
         (left, right),
     )
     return Motion(

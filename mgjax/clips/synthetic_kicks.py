@@ -9,9 +9,8 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from mgjax.clips import synthetic as base_set
-from mgjax.clips import synthetic_skeleton as body
 from mgjax.clips.synthetic_parts import VERBS, Score, Step
-from mgjax.clips.synthetic_skeleton import CHANNELS, Foot, ease, synthetic_skeleton
+from mgjax.clips.synthetic_skeleton import Foot, ease, synthetic_skeleton
 from mgjax.clips.types import Clip, Label
 from mgjax.core import planar
 from mgjax.core.arrays import Array
@@ -198,22 +197,7 @@ def _perform(score: _KickScore, frame_rate: float) -> Motion:
     feet = (_kicked(score, 0, planted[0], t, over, smooth),)
     feet += (_kicked(score, 1, planted[1], t, over, smooth),)
     root = base_set.make_root(c, over, feet, rate, smooth)
-    gaze = np.interp(t + 0.2, t, over[:, 0])
-    picked = slice(None, None, ratio)
-    left, right = (Foot(**{n: x[picked] for n, x in vars(foot).items()}) for foot in feet)
-    local = body.pose(
-        synthetic_skeleton(),
-        root[picked],
-        over[picked, 0],
-        gaze[picked],
-        {name: c[name][picked] for name in CHANNELS},
-        (left, right),
-    )
-    return Motion(
-        root_translation=root[picked].astype(np.float32),
-        local_rotations=local.astype(np.float32),
-        frame_rate=float(frame_rate),
-    )
+    return base_set.make_motion(c, over, feet, root, t, ratio, frame_rate)
 
 
 def _kicked(
