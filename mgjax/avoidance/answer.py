@@ -30,7 +30,7 @@ class Dropped:
         culled: by slices, before they were judged.
         not_adjustable: no edge may change its speed as needed.
         time_scale: the time scale is not positive, or out of range.
-        hit: touched: by the exact check or its certain bounds, or deeper in the sampled volumes than
+        hit: touched, by the exact check or its bounds, or deeper in the sampled volumes than
             these can be wrong (``HOPELESS_M`` of :mod:`mgjax.avoidance.search`).
         overflow: not judged, or not checked exactly, for lack of room.
     """
