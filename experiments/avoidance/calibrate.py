@@ -20,9 +20,10 @@ import numpy as np
 
 from experiments.avoidance.graphs import graph_of
 from experiments.avoidance.throws import percentiles
-from mgjax.avoidance.attack import Attack, ball_attack, crop_attack
+from mgjax.avoidance.attack import Attack, ball_attack
 from mgjax.avoidance.candidates import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
+from mgjax.avoidance.crop import crop_attack
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.evaluate import judge
 from mgjax.avoidance.selection import select

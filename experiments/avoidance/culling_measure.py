@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from experiments.avoidance.throws import Throws
-from mgjax.avoidance.attack import Attack, Crop, crop_attack
+from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.candidates import Candidates, enumerate_candidates
 from mgjax.avoidance.check import CLEAR_M
 from mgjax.avoidance.choice import best_of
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.crop import Crop, crop_attack
 from mgjax.avoidance.culling import timing_of
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.evaluate import judge

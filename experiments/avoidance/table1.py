@@ -17,6 +17,7 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.grid_build import build_index
 from mgjax.avoidance.grid_index import FILE_NAME, GridIndex, load_index
+from mgjax.core.compilation import one_thread
 from mgjax.graph.types import MotionGraph
 from mgjax.runs.experiment import Results, experiment
 from mgjax.runs.selection_rows import MANY, condition_rows, random_balls
@@ -148,4 +149,5 @@ def _figure(rows: list[dict[str, Any]]) -> Figure:
 
 
 if __name__ == "__main__":
+    one_thread()
     experiment(run, Config)

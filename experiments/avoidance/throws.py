@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.avoidance.attack import Attack, ball_attack, crop_attack
+from mgjax.avoidance.attack import Attack, ball_attack
 from mgjax.avoidance.candidates import Candidates, enumerate_candidates
 from mgjax.avoidance.check import CLEAR_M, clearance, trace_motion, walk_motion
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.crop import crop_attack
 from mgjax.avoidance.selection import Selection, select
 from mgjax.avoidance.tables import EdgeTables, edge_tables
 from mgjax.avoidance.volumes import preset_spheres

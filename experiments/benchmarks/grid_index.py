@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.avoidance.attack import Attack, ball_attack, crop_attack
+from mgjax.avoidance.attack import Attack, ball_attack
 from mgjax.avoidance.candidates import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.crop import crop_attack
 from mgjax.avoidance.grid_build import build_index
 from mgjax.avoidance.grid_index import GridIndex, lookup, paths_per_cell, touched_cells
 from mgjax.avoidance.tables import EdgeTables, edge_tables

@@ -27,6 +27,7 @@ from mgjax.avoidance.joint import moved
 from mgjax.avoidance.planner import Planner
 from mgjax.avoidance.playback import SimulatedClock, SimulatedSearches, ThreadSearches, WallClock
 from mgjax.core import planar
+from mgjax.core.compilation import one_thread
 from mgjax.core.motion import Motion
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import MotionGraph
@@ -218,4 +219,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    one_thread()
     main()

@@ -32,6 +32,7 @@ _HOMES = {
     "select": "mgjax.avoidance.selection",
     "select_batch": "mgjax.avoidance.batch",
     "sweep_energies": "mgjax.avoidance.sweep",
+    "warm_up": "mgjax.avoidance.warm",
 }
 __all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
 

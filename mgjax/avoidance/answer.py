@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from mgjax.avoidance.attack import Crop
+from mgjax.avoidance.crop import Crop
 from mgjax.graph.walk import Walk
 
 

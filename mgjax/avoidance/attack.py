@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -67,8 +68,12 @@ class Attack:
     def at(self, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, "T I 3"]:
         """Centres at any time; before the first and after the last knot those are held."""
         flat = self.centres.reshape(len(self.times), -1)
-        out = np.stack([np.interp(times, self.times, column) for column in flat.T], axis=1)
+        out = np.empty((len(times), flat.shape[1]))
+        for column in range(flat.shape[1]):
+            out[:, column] = np.interp(times, self.times, flat[:, column])
         out = out.reshape(len(times), *self.centres.shape[1:])
+        if self.starts is None and self.stops is None:
+            return out
         held = np.clip(times, self.start, self.end)[:, None]
         for moment, gone in (
             (self.starts, None if self.starts is None else held < self.starts),
@@ -91,12 +96,15 @@ class Attack:
     @cached_property
     def largest_speed(self) -> float:
         """m/s, over all spheres and knots at which they are there."""
-        steps = np.linalg.norm(np.diff(self.centres, axis=0), axis=-1)
-        if not steps.size:
+        if len(self.times) < 2:
             return 0.0
-        there = self.active(self.times)
-        steps = np.where(there[1:] & there[:-1], steps, 0.0)
-        return float((steps / np.diff(self.times)[:, None]).max())
+        ways = self.centres[1:] - self.centres[:-1]
+        speeds = np.sqrt(np.einsum("kix,kix->ki", ways, ways))
+        speeds /= (self.times[1:] - self.times[:-1])[:, None]
+        if self.starts is not None or self.stops is not None:
+            there = self.active(self.times)
+            speeds = np.where(there[1:] & there[:-1], speeds, 0.0)
+        return float(speeds.max())
 
 
 def validate_attack(attack: Attack) -> None:
@@ -107,13 +115,13 @@ def validate_attack(attack: Attack) -> None:
             f" {(len(attack.times), len(attack.radii), 3)}, not empty"
         )
     for name in ("times", "centres", "radii"):
-        if not np.isfinite(getattr(attack, name)).all():
+        if not _all_finite(getattr(attack, name)):
             raise AttackError(f"got attack {name} that are not finite, expected numbers")
     if not 0 <= attack.acceleration < np.inf:
         raise AttackError(
             f"got an acceleration of {attack.acceleration:g} m/s², expected 0 or more"
         )
-    if (np.diff(attack.times) <= 0).any():
+    if not (attack.times[1:] > attack.times[:-1]).all():
         raise AttackError("got attack times that do not ascend, expected ascending times")
     for name in ("starts", "stops"):
         moments = getattr(attack, name)
@@ -121,15 +129,21 @@ def validate_attack(attack: Attack) -> None:
             continue
         if moments.shape != attack.radii.shape or not np.isin(moments, attack.times).all():
             raise AttackError(f"got {name} that are no knots, expected a knot for each sphere")
-    if not attack.active(attack.times).any(axis=0).all():
+    come_and_go = attack.starts is not None or attack.stops is not None
+    if come_and_go and not attack.active(attack.times).any(axis=0).all():
         raise AttackError("got a sphere that stops before it starts, expected start ≤ stop")
-    if (attack.radii <= 0).any():
+    if min(attack.radii.tolist()) <= 0:
         raise AttackError(f"got a radius of {attack.radii.min():g} m, expected more than 0")
     if attack.end > MAX_SECONDS:
         raise AttackError(
             f"got an attack that lasts until {attack.end:g} s from now, expected at most"
             f" {MAX_SECONDS:g} s"
         )
+
+
+def _all_finite(values: np.ndarray) -> bool:
+    """Whether all are numbers: if their sum of squares is, which a single call says."""
+    return math.isfinite(np.vdot(values, values)) or bool(np.isfinite(values).all())
 
 
 def ball_attack(
@@ -184,9 +198,10 @@ def ball_attack(
             f" {MAX_SECONDS:g} s"
         )
     known = max(0.0, -launch)  # what was before now does not matter
-    since = _evenly(known, flight)
+    rate = _KNOT_RATE if gravity or drag else 0.0  # a straight line needs none in between
+    since = _evenly(known, flight, rate)
     if until - flight > 1e-6:
-        since = np.concatenate([since[:-1], _evenly(flight, until)])
+        since = np.concatenate([since[:-1], _evenly(flight, until, rate)])
     coast, fall = _flight_factors(since, drag)
     centres = a + velocity * coast[:, None] + pull * fall[:, None]
     return Attack(
@@ -197,8 +212,8 @@ def ball_attack(
     )
 
 
-def _evenly(start: float, stop: float) -> np.ndarray:
-    return np.linspace(start, stop, max(2, int(np.ceil((stop - start) * _KNOT_RATE)) + 1))
+def _evenly(start: float, stop: float, rate: float) -> np.ndarray:
+    return np.linspace(start, stop, max(2, int(np.ceil((stop - start) * rate)) + 1))
 
 
 def _flight_factors(t: np.ndarray, drag: float) -> tuple[np.ndarray, np.ndarray]:
@@ -325,38 +340,3 @@ def _until_floor(
         return flight
     # It rises at most once and then sinks, so it meets the floor once.
     return _root(above, flight, until)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Crop:
-    """The part of an attack that is close to the character, seconds from now."""
-
-    start: float
-    end: float
-
-    @property
-    def middle(self) -> float:
-        """The time of the attack, t_attack."""
-        return 0.5 * (self.start + self.end)
-
-
-def crop_attack(attack: Attack, *, radius: float, height: float, start: float = 0.0) -> Crop | None:
-    """When a centre is within ``radius`` of the root's vertical and below ``height``, or None.
-
-    Args:
-        attack: in the planar frame of the body at the beginning of the path, whose root is above
-            the origin.
-        radius, height: of the cylinder, m.
-        start: nothing before this counts, s from now.
-    """
-    count = int(np.ceil(max(attack.end - max(attack.start, start), 0.0) * 1000)) + 2
-    times = np.linspace(max(attack.start, start), attack.end, count)
-    if times[-1] < times[0]:
-        return None
-    centres = attack.at(times)
-    near = (np.hypot(centres[..., 0], centres[..., 2]) <= radius) & (centres[..., 1] <= height)
-    near &= centres[..., 1] >= 0
-    inside = np.flatnonzero(near.any(axis=1))
-    if not inside.size:
-        return None
-    return Crop(start=float(times[inside[0]]), end=float(times[inside[-1]]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 
@@ -9,17 +10,34 @@ import jax
 import numpy as np
 from jaxtyping import Float, Int
 
-from mgjax.avoidance.attack import Attack, Crop, crop_attack
-from mgjax.avoidance.candidates import Candidates, enumerate_candidates, natural_times
+from mgjax.avoidance.attack import Attack
+from mgjax.avoidance.candidates import (
+    Candidates,
+    enumerate_candidates,
+    natural_times,
+)
 from mgjax.avoidance.check import CLEAR_M
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.crop import Crop, crop_attack
 from mgjax.avoidance.device_tables import search_tables
+from mgjax.avoidance.evaluate import LENGTH, empty_walks, pad_candidates
 from mgjax.avoidance.exact import body_of
-from mgjax.avoidance.search import SCORES, Found, Task, make_task, search_many
+from mgjax.avoidance.search import (
+    DEPTH,
+    HOPELESS_M,
+    SCORES,
+    STATUS,
+    Found,
+    Task,
+    is_long,
+    search_many,
+)
 from mgjax.avoidance.settle import settle
+from mgjax.avoidance.shot import Shots, make_shot
 from mgjax.avoidance.time_scale import OK
 from mgjax.avoidance.validate import validate_config, validate_start
 from mgjax.core.errors import ConfigError
+from mgjax.core.padding import bucket_size
 from mgjax.graph.types import MotionGraph
 
 STATUSES = ("avoided", "hit", "no_candidate")
@@ -28,8 +46,14 @@ STATUSES = ("avoided", "hit", "no_candidate")
 AVOIDED, HIT, NO_CANDIDATE = 0, 1, 2
 NO_PART = -1
 
-GROUP = 512
-"""Padded candidates of one call: attacks of up to 32 candidates are answered sixteen at a time."""
+TOGETHER = 1024
+"""Candidates of one call, of as many attacks as have room."""
+
+MOST = 32
+"""Attacks of one call."""
+
+AHEAD = 4
+"""Calls that are under way while the questions of the next one are put."""
 
 _LIMIT = 1_000_000
 
@@ -65,7 +89,7 @@ class _Question:
     attack: Attack
     crop: Crop
     candidates: Candidates
-    task: Task
+    shots: Shots
 
 
 def select_batch(
@@ -101,22 +125,16 @@ def select_batch(
     for node, attack in zip(places, attacks, strict=True):
         validate_start(graph, tables, int(node), attack)
     answers = _no_answers(len(attacks))
-    waiting: dict[tuple, list[_Question]] = {}
-    asked: list[tuple[list[_Question], Found]] = []
-    for question in _questions(graph, places, attacks, answers, config):
-        shapes = tuple(np.shape(x) for x in jax.tree.leaves(_inputs(question.task)))
-        size = max(GROUP // shapes[0][0], 1)
-        group = waiting.setdefault((size, shapes), [])
-        group.append(question)
-        if len(group) == size:  # computed while the next questions are put
-            asked.append(([*group], _search(graph, group, config)))
-            group.clear()
-    for (size, _), group in waiting.items():
-        if group:
-            filled = group + [group[-1]] * (size - len(group))
-            asked.append((group, _search(graph, filled, config)))
+    asked: deque[tuple[list[_Question], Found]] = deque()
+    doubtful: list[tuple[_Question, Found]] = []
+    for group in _groups(_questions(graph, places, attacks, answers, config)):
+        asked.append((group, _search(graph, group, config)))
+        if len(asked) > AHEAD:  # the others are computed while this one is looked at
+            doubtful += _decide(*asked.popleft(), answers, config)
     for group, found in asked:
-        _decide(graph, group, jax.tree.map(np.asarray, found), answers, config)
+        doubtful += _decide(group, found, answers, config)
+    for question, found in doubtful:  # last, since each waits for what is under way
+        _settle(graph, question, found, answers, config)
     return BatchSelection(**answers)
 
 
@@ -161,10 +179,25 @@ def _questions(
             answers["candidates"][i] = len(some.length) + some.overflow
             if len(some.length):
                 attack, crop = attacks[i], crops[i]
-                task = make_task(some, attack, crop, config, body_of(graph)[1])
+                long = is_long(some, attack)
+                shots = make_shot(attack, crop, config, body_of(graph)[1], long=long)
                 yield _Question(
-                    number=i, node=int(node), attack=attack, crop=crop, candidates=some, task=task
+                    number=i, node=int(node), attack=attack, crop=crop, candidates=some, shots=shots
                 )
+
+
+def _groups(questions: Iterator[_Question]) -> Iterator[list[_Question]]:
+    """Questions that are answered in one call: of equal shapes, as many as have room."""
+    waiting: dict[tuple, tuple[list[_Question], int]] = {}
+    for question in questions:
+        count = len(question.candidates.length)
+        shape = question.shots.frames.shape
+        group, together = waiting.get(shape, ([], 0))
+        if group and (len(group) == MOST or together + count > TOGETHER):
+            yield group
+            group, together = [], 0
+        waiting[shape] = [*group, question], together + count
+    yield from (group for group, _ in waiting.values())
 
 
 def _within(
@@ -185,16 +218,36 @@ def _within(
     )
 
 
-def _inputs(task: Task) -> tuple:
-    return task.edges, task.length, task.part, task.problem, task.flight
+def _firsts(questions: list[_Question]) -> Int[np.ndarray, " A1"]:
+    """Where the candidates of each question begin and, last, where they end."""
+    counts = [len(question.candidates.length) for question in questions]
+    return np.concatenate([[0], np.cumsum(counts)])
 
 
 def _search(graph: MotionGraph, questions: list[_Question], config: AvoidanceConfig) -> Found:
     _, device = search_tables(graph, config.body_rate, config.speed)
-    inputs = [_inputs(question.task) for question in questions]
+    firsts = _firsts(questions)
+    size = bucket_size(int(firsts[-1]), TOGETHER, 4)
+    long = is_long(questions[-1].candidates, questions[-1].attack)
+    longest = max(question.candidates.edges.shape[1] for question in questions)
+    longest = max(longest, LENGTH + 1 if long else 0)
+    walks = empty_walks(bucket_size(longest, LENGTH, 4), size, shared=False)
+    table = walks.table
+    table[-1] = MOST - 1
+    first = np.full(MOST, size - 1, np.int32)
+    first[: len(questions)] = firsts[:-1]
+    for number, (question, begin) in enumerate(zip(questions, firsts, strict=False)):
+        some = question.candidates
+        rows = slice(begin, begin + len(some.length))
+        table[: some.edges.shape[1], rows] = some.edges.T
+        table[-3, rows], table[-2, rows], table[-1, rows] = some.length, some.part, number
+    filled = [question.shots for question in questions]
+    filled += [filled[-1]] * (MOST - len(filled))
     return search_many(
         device,
-        *jax.tree.map(lambda *x: np.stack(x), *inputs),
+        walks,
+        jax.tree.map(lambda *x: np.concatenate(x), *filled),
+        first,
         config.energy,
         frame_rate=graph.frame_rate,
         limit_scale=config.limit_scale,
@@ -202,47 +255,54 @@ def _search(graph: MotionGraph, questions: list[_Question], config: AvoidanceCon
 
 
 def _decide(
-    graph: MotionGraph,
     questions: list[_Question],
     found: Found,
     answers: dict[str, np.ndarray],
     config: AvoidanceConfig,
-) -> None:
-    """Where bounds leave no doubt about the first candidates that is the answer."""
-    count = len(questions)
-    usable = np.asarray(found.counts)[:count, OK]
-    hopeful = np.minimum(np.maximum(np.asarray(found.hopeful)[:count], 1), config.checks)
-    least, clearance, touched_from, path_end = (
-        np.asarray(getattr(found.bounds, name))[:count]
-        for name in ("least", "clearance", "touched_from", "path_end")
-    )
-    lanes = least.shape[1]
-    there = (np.arange(lanes) < hopeful[:, None]) & (usable > 0)[:, None]
-    clear = there & (least >= CLEAR_M)
-    doubt = there & ~clear & ~(touched_from < path_end)
-    first_clear = np.where(clear.any(axis=1), clear.argmax(axis=1), lanes)
-    first_doubt = np.where(doubt.any(axis=1), doubt.argmax(axis=1), lanes)
-    avoided = first_clear < first_doubt
-    hit = ~clear.any(axis=1) & ~doubt.any(axis=1) & (usable > 0) & (hopeful <= lanes)
-    nearest = np.where(there, clearance, -np.inf).argmax(axis=1)
-    lane = np.where(avoided, np.minimum(first_clear, lanes - 1), nearest)
-    rows = np.arange(count)
-    chosen = np.asarray(found.order)[:count][rows, lane]
-    scores = dict(zip(SCORES, np.asarray(found.scores)[rows, chosen].T, strict=True))
+) -> list[tuple[_Question, Found]]:
+    """Where the bounds of the first candidate leave no doubt that is the answer; the rest."""
+    found = jax.tree.map(np.asarray, found)
+    firsts = _firsts(questions)
+    starts, count = firsts[:-1], len(questions)
+    fit = found.scores[STATUS, : firsts[-1]] == OK
+    hope = fit & (found.scores[DEPTH, : firsts[-1]] >= -HOPELESS_M)
+    usable, hopeful = (np.add.reduceat(x.astype(np.int64), starts) for x in (fit, hope))
+    hopeful = np.minimum(np.maximum(hopeful, 1), config.checks)
+    bounds = jax.tree.map(lambda x: x[:count], found.bounds)
+    avoided = (usable > 0) & (bounds.least >= CLEAR_M)
+    hit = (usable > 0) & (hopeful == 1) & (bounds.touched_from < bounds.path_end)
+    chosen = found.order[starts]
+    scores = dict(zip(SCORES, found.scores[:STATUS, chosen], strict=True))
+    settled = {
+        "status": np.where(avoided, AVOIDED, HIT),
+        "time_scale": scores["s_time"],
+        "clearance": np.asarray(bounds.clearance),
+        "energy": scores["total"],
+        "d": scores["d"],
+    }
+    rest = []
     for row, question in enumerate(questions):
         if not usable[row]:
             continue
-        if not (avoided[row] or hit[row]):
-            one = jax.tree.map(lambda x, row=row: x[row], found)
-            _settle(graph, question, one, answers, config)
+        if not avoided[row] and not hit[row]:
+            rest.append((question, _alone(found, firsts, row)))
             continue
-        i = question.number
-        answers["status"][i] = AVOIDED if avoided[row] else HIT
-        answers["part"][i] = question.task.part[chosen[row]]
-        answers["time_scale"][i] = scores["s_time"][row]
-        answers["clearance"][i] = clearance[row, lane[row]]
-        answers["energy"][i] = scores["total"][row]
-        answers["d"][i] = scores["d"][row]
+        for name, values in settled.items():
+            answers[name][question.number] = values[row]
+        part = question.candidates.part[chosen[row] - starts[row]]
+        answers["part"][question.number] = part
+    return rest
+
+
+def _alone(found: Found, firsts: Int[np.ndarray, " A1"], row: int) -> Found:
+    """What was found for one of several attacks."""
+    begin, end = firsts[row], firsts[row + 1]
+    return Found(
+        scores=found.scores[:, begin:end],
+        scales=found.scales[:, begin:end],
+        order=found.order[begin:end] - begin,
+        bounds=jax.tree.map(lambda x: x[row : row + 1], found.bounds),
+    )
 
 
 def _settle(
@@ -254,7 +314,9 @@ def _settle(
 ) -> None:
     """One attack by looking closer."""
     q = question
-    choice = settle(graph, q.node, q.attack, q.crop, q.candidates, q.task, found, config).choice
+    walks = pad_candidates(q.candidates, long=is_long(q.candidates, q.attack))
+    task = Task(walks=walks, shots=q.shots)
+    choice = settle(graph, q.node, q.attack, q.crop, q.candidates, task, found, config).choice
     assert choice is not None
     assert choice.energy is not None
     values = {

@@ -5,17 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mgjax.avoidance.answer import Choice, Dropped
-from mgjax.avoidance.attack import Attack, Crop, crop_attack
+from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.candidates import Candidates, enumerate_candidates, without
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.crop import Crop, crop_attack
 from mgjax.avoidance.culling import without_culled
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.exact import body_of
 from mgjax.avoidance.follow import idle
-from mgjax.avoidance.grid_cells import touched_cells
 from mgjax.avoidance.grid_index import GridIndex, lookup
-from mgjax.avoidance.search import make_task, search_one
+from mgjax.avoidance.search import make_task, on_device, search_one
 from mgjax.avoidance.settle import Settled, better_of, settle
+from mgjax.avoidance.swept_cells import swept_cells
 from mgjax.avoidance.validate import validate_config, validate_start
 from mgjax.graph.types import MotionGraph
 
@@ -70,7 +71,7 @@ def lookup_candidates(
     index: GridIndex, node: int, attack: Attack, crop: Crop, config: AvoidanceConfig
 ) -> Candidates | None:
     """The candidates whose avoidance volume the attack touches (§5.1), or None if unknown."""
-    return lookup(index, node, touched_cells(attack, crop), crop.middle, config.T_window)
+    return lookup(index, node, swept_cells(attack, crop), crop.middle, config.T_window)
 
 
 def best_of(
@@ -91,12 +92,9 @@ def best_of(
     task = make_task(kept, attack, crop, config, body_of(graph)[1])
     found = search_one(
         device,
-        task.edges,
-        task.length,
-        task.part,
-        task.problem,
-        task.flight,
-        config.energy,
+        task.walks,
+        task.shots,
+        on_device(config.energy),
         frame_rate=graph.frame_rate,
         limit_scale=config.limit_scale,
     )

@@ -6,15 +6,16 @@ from dataclasses import replace
 from functools import lru_cache, partial
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
-from mgjax.avoidance.attack import Attack, Crop
+from mgjax.avoidance.attack import Attack
+from mgjax.avoidance.body_reader import read_edges
 from mgjax.avoidance.candidates import Candidates
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.device_tables import DeviceTables, search_tables
-from mgjax.avoidance.evaluate import UNLIMITED, pad_candidates
+from mgjax.avoidance.crop import Crop
+from mgjax.avoidance.device_tables import PART_CENTRE, DeviceTables, search_tables
+from mgjax.avoidance.evaluate import UNLIMITED, Walks, pad_candidates
 from mgjax.avoidance.slices import Form, Slices, build_slices
 from mgjax.avoidance.slices_cull import cull
 from mgjax.avoidance.tables import edge_tables
@@ -75,33 +76,32 @@ def timing_of(
     _, device = search_tables(graph, config.body_rate, config.speed)
     timing = _timing(
         device,
-        *pad_candidates(candidates),
+        pad_candidates(candidates),
         np.asarray(crop.middle, dtype=np.float32),
         np.asarray(config.energy.E_time if config.limit_scale else UNLIMITED, dtype=np.float32),
         half_frame=0.5 / graph.frame_rate,
     )
     count, longest = candidates.edges.shape
-    return np.asarray(timing.status)[:count], np.asarray(timing.scales)[:count, :longest]
+    return np.asarray(timing.status)[:count], np.asarray(timing.scales)[:longest, :count].T
 
 
 @partial(jax.jit, static_argnames="half_frame")
 def _timing(
     tables: DeviceTables,
-    edges: Int[Array, "C L"],
-    length: Int[Array, " C"],
-    part: Int[Array, " C"],
+    walks: Walks,
     t_attack: Float[Array, ""],
     limit: Float[Array, ""],
     *,
     half_frame: float,
 ) -> Timing:
-    inside = jnp.maximum(edges, 0)
-    one = partial(time_scale, half_frame=half_frame, limit=limit)
-    return jax.vmap(one, in_axes=(0, 0, 0, 0, 0, None))(
-        tables.seconds[inside],
-        tables.slow_down[inside],
-        tables.speed_up[inside],
-        length,
-        tables.part_centre[part],
+    read = read_edges(tables, walks.edges)
+    return time_scale(
+        read.seconds,
+        read.slow_down > 0,
+        read.speed_up > 0,
+        walks.length,
+        tables.parts[walks.part, PART_CENTRE],
         t_attack,
+        half_frame=half_frame,
+        limit=limit,
     )

@@ -22,44 +22,65 @@ from mgjax.graph.types import MotionGraph
 NOT_THERE_M = -1e3
 """Radius of the columns that pad the body's spheres: never near anything."""
 
+SECONDS, FIRST, STEPS = 0, 6, 7
+"""Columns of :attr:`DeviceTables.edge_rows`."""
+
+SEAM, RANK, FOLLOWERS = 0, 1, 2
+"""Columns of :attr:`DeviceTables.edge_links`; the followers go on to the last."""
+
+BEND = 3
+"""Column of :attr:`DeviceTables.trace`, after the root."""
+
+PART_START, PART_STOP, PART_CENTRE = 0, 1, 2
+"""Columns of :attr:`DeviceTables.parts`."""
+
+FOLLOWING = 8
+"""Edges that are played after a path by default."""
+
 LANES = 16
 """Body spheres are padded to a multiple of this, which the compiler vectorises."""
 
 
-@register("root_column")
+@register()
 @dataclass(frozen=True, kw_only=True)
 class DeviceTables:
     """What the jitted search reads; see :class:`mgjax.avoidance.tables.EdgeTables`.
 
     Attributes:
-        pool: x of all spheres, then y, then z, each padded with copies of the root. [P, 3·S]
-        bend: largest way of a sphere off the straight line from a moment of ``pool`` to the next,
-            m; infinite where the moments are not the frames of the graph. [P]
-        next_edge: the longest edge out of an edge's target: what follows by default. [E]
-        seam_first: row of ``seam_bend`` for an edge and the first edge out of its target. [E]
-        rank: place of an edge among those that leave its node. [E]
-        seam_bend: as ``bend``, from the last frame of an edge to the first pose of the next. [Q]
+        edge_rows: what it takes to lay an edge, in one row: its duration in s, turn, x and z of its
+            step, 1 where it may be slowed down and sped up, its first row of ``pool`` and its
+            intervals there. [E, 8]
+        edge_links: row of ``seam_bend`` for an edge and the first edge out of its target; its
+            place among the edges that leave its node; then the edges that follow it by default,
+            each the longest that leaves its node. [E, 2+FOLLOWING]
+        pool: x of all spheres, then y, then z, each padded. [P, 3·S]
+        trace: x, y and z of the root at the same moments, and the largest way of a sphere off the
+            straight line to the next moment, m; infinite where the moments are not the frames of
+            the graph. [P, 4]
+        seam_bend: the same from the last frame of an edge to the first pose of the next. [Q]
+        parts: start, stop and middle of each part, seconds within its edge. [A, 3]
         radii: of the body's spheres, m; ``NOT_THERE_M`` for padding. [S]
-        root_column: the column of ``pool`` that holds the root.
+        numbers: the largest speed of the root at natural speed, m/s, and a 1.
     """
 
-    seconds: Float[Array, " E"]
-    step: Float[Array, "E 3"]
+    edge_rows: Float[Array, "E 8"]
+    edge_links: Int[Array, "E D"]
     pool: Float[Array, "P K"]
-    pool_first: Int[Array, " E"]
-    pool_steps: Int[Array, " E"]
-    bend: Float[Array, " P"]
-    slow_down: Bool[Array, " E"]
-    speed_up: Bool[Array, " E"]
-    next_edge: Int[Array, " E"]
-    seam_first: Int[Array, " E"]
-    rank: Int[Array, " E"]
+    trace: Float[Array, "P 4"]
     seam_bend: Float[Array, " Q"]
-    part_start: Float[Array, " A"]
-    part_stop: Float[Array, " A"]
-    part_centre: Float[Array, " A"]
+    parts: Float[Array, "A 3"]
     radii: Float[Array, " S"]
-    root_column: int
+    numbers: Float[Array, " 2"]
+
+    @property
+    def root_speed(self) -> Float[Array, ""]:
+        """The largest at natural speed, m/s."""
+        return self.numbers[0]
+
+    @property
+    def there(self) -> Bool[Array, ""]:
+        """True, which a compiler does not know; see :func:`mgjax.core.staging.stage`."""
+        return self.numbers[1] > 0
 
 
 @lru_cache(maxsize=8)
@@ -78,36 +99,27 @@ def device_tables(graph: MotionGraph, tables: EdgeTables, speed: SpeedConfig) ->
     def padded(x: np.ndarray, kind: type, least: int) -> jax.Array:
         return jnp.asarray(pad_axis(x.astype(kind), bucket_size(len(x), least), value=0))
 
-    fan = np.diff(graph.out_first)[graph.edge_target]
-    edges = {
-        "seconds": (tables.seconds, np.float32),
-        "step": (tables.step, np.float32),
-        "pool_first": (tables.pool_first, np.int32),
-        "pool_steps": (tables.pool_steps, np.int32),
-        "slow_down": (slow_down, np.bool_),
-        "speed_up": (speed_up, np.bool_),
-        "next_edge": (_longest_followers(graph), np.int32),
-        "seam_first": (np.cumsum(fan) - fan, np.int32),
-        "rank": (_ranks(graph), np.int32),
-    }
-    parts = {
-        "part_start": tables.part_start,
-        "part_stop": tables.part_stop,
-        "part_centre": tables.part_centre,
-    }
     spheres = len(tables.spheres.radii)
-    width = -(-(spheres + 1) // LANES) * LANES
+    width = -(-spheres // LANES) * LANES
     radii = np.full(width, NOT_THERE_M)
     radii[:spheres] = tables.spheres.radii
     bend, seam_bend = _all_bends(graph, tables)
+    root = _roots(graph, tables)
+    marks = (slow_down, speed_up, tables.pool_first, tables.pool_steps)
+    edge_rows = np.column_stack((tables.seconds, tables.step, *marks))
+    fan = np.diff(graph.out_first)[graph.edge_target]
+    seam_first = np.cumsum(fan) - fan
+    edge_links = np.column_stack((seam_first, _ranks(graph), *_followers(graph)))
+    parts = np.column_stack((tables.part_start, tables.part_stop, tables.part_centre))
     return DeviceTables(
-        pool=padded(_with_root(graph, tables, width), np.float32, 1 << 15),
-        bend=padded(bend, np.float32, 1 << 15),
+        edge_rows=padded(edge_rows, np.float32, 1 << 12),
+        edge_links=padded(edge_links, np.int32, 1 << 12),
+        pool=padded(_wide_pool(tables, width), np.float32, 1 << 15),
+        trace=padded(np.column_stack((root, bend)), np.float32, 1 << 15),
         seam_bend=padded(seam_bend, np.float32, 1 << 14),
+        parts=padded(parts, np.float32, 128),
         radii=jnp.asarray(radii, dtype=jnp.float32),
-        root_column=spheres,
-        **{name: padded(x, kind, 1 << 12) for name, (x, kind) in edges.items()},
-        **{name: padded(x, np.float32, 128) for name, x in parts.items()},
+        numbers=jnp.asarray([_top_root_speed(tables, root), 1.0], dtype=jnp.float32),
     )
 
 
@@ -118,17 +130,28 @@ def _rows(graph: MotionGraph, tables: EdgeTables) -> tuple[np.ndarray, np.ndarra
     return edge, graph.edge_starts[edge] + step * (graph.edge_frames / tables.pool_steps)[edge]
 
 
-def _with_root(graph: MotionGraph, tables: EdgeTables, width: int) -> Float[np.ndarray, "P K"]:
-    """The pool with the root's place in the columns after the spheres."""
+def _roots(graph: MotionGraph, tables: EdgeTables) -> Float[np.ndarray, "P 3"]:
+    """The root at each row of the pool, in the planar frame of the node that its edge leaves."""
     edge, frame = _rows(graph, tables)
     low = np.minimum(np.floor(frame + 1e-6).astype(np.int64), graph.edge_stops[edge] - 1)
     share = (frame - low)[:, None]
     root = graph.root_translation[low] * (1 - share) + graph.root_translation[low + 1] * share
     plane = np.asarray(planar.inverse(graph.node_plane[graph.edge_source[edge]]))
-    local = np.asarray(planar.apply(plane, root)).astype(np.float32)
-    spheres = tables.pool.reshape(len(edge), 3, -1)
-    padding = np.repeat(local[:, :, None], width - spheres.shape[2], axis=2)
-    return np.concatenate([spheres, padding], axis=2).reshape(len(edge), -1)
+    return np.asarray(planar.apply(plane, root)).astype(np.float32)
+
+
+def _wide_pool(tables: EdgeTables, width: int) -> Float[np.ndarray, "P K"]:
+    """The pool with room for ``width`` spheres."""
+    spheres = tables.pool.reshape(len(tables.pool), 3, -1)
+    return pad_axis(spheres, width, axis=2, value=0).reshape(len(spheres), -1)
+
+
+def _top_root_speed(tables: EdgeTables, root: Float[np.ndarray, "P 3"]) -> float:
+    """The largest speed of the root within an edge, m/s."""
+    edge = np.repeat(np.arange(len(tables.seconds)), tables.pool_steps + 1)
+    rate = (tables.pool_steps / tables.seconds)[edge[1:]]
+    within = edge[1:] == edge[:-1]
+    return float((np.linalg.norm(np.diff(root, axis=0), axis=1) * rate)[within].max(initial=0.0))
 
 
 def _all_bends(graph: MotionGraph, tables: EdgeTables) -> tuple[np.ndarray, np.ndarray]:
@@ -143,11 +166,17 @@ def _all_bends(graph: MotionGraph, tables: EdgeTables) -> tuple[np.ndarray, np.n
     return frame_bends(graph)[frame.astype(np.int64)], seam_bends(graph, edges, following)
 
 
-def _longest_followers(graph: MotionGraph) -> Int[np.ndarray, " E"]:
+def _followers(graph: MotionGraph) -> Int[np.ndarray, "FOLLOWING E"]:
+    """What is played after each edge: again and again the longest edge that leaves the node."""
     source = graph.edge_source[graph.out_edges]
     order = np.lexsort((graph.edge_frames[graph.out_edges], source))
     last = np.searchsorted(source[order], np.arange(graph.num_nodes), side="right") - 1
-    return graph.out_edges[order][last][graph.edge_target]
+    longest = graph.out_edges[order][last][graph.edge_target]
+    rows = np.empty((FOLLOWING, graph.num_edges), np.int64)
+    rows[0] = longest
+    for k in range(1, FOLLOWING):
+        rows[k] = longest[rows[k - 1]]
+    return rows
 
 
 def _ranks(graph: MotionGraph) -> Int[np.ndarray, " E"]:

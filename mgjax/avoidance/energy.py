@@ -14,7 +14,7 @@ import jax.numpy as jnp
 from jaxtyping import Bool, Float
 
 from mgjax.avoidance.config import EnergyConfig, Number
-from mgjax.avoidance.energy_kernel import FAR, Paths, over_attack
+from mgjax.avoidance.energy_kernel import FAR, Paths, Totals, over_attack
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
 from mgjax.core.pytree import register
@@ -171,6 +171,21 @@ def energies_batch(
     present = jnp.ones(centres.shape[1:], bool) if attack_present is None else attack_present
     moved, d, d0 = over_attack(config.form, swept, paths, centres, radii, jnp.asarray(present))
     met = jnp.any(active & jnp.any(present, axis=1)[:, None], axis=0)
+    return energies_of((moved, d, d0), met, dt, config)
+
+
+def energies_of(
+    totals: Totals, met: Bool[Array, " C"], dt: Float[Array, "*c"] | float, config: EnergyConfig
+) -> Energies:
+    """The energies of candidates of which the sum over time and the distances are known.
+
+    Args:
+        totals: e'/Δt, d and d0.
+        met: whether the attack was there at any time; d and d0 are ``FAR`` where not.
+        dt: interval of the evaluated times, s; one for each candidate, or one for all.
+        config: forms, scales and weights.
+    """
+    moved, d, d0 = totals
     d, d0 = jnp.where(met, d, FAR), jnp.where(met, d0, FAR)
     penetration = moved * _float32(dt)
     return Energies(

@@ -72,28 +72,40 @@ def over_attack(
     present: Bool[Array, "T I"],
 ) -> Totals:
     """(e'/Δt, d, d0) over all attack spheres, one after the other."""
+
+    def step(totals: Totals, sphere: tuple[Array, Array, Array]) -> tuple[Totals, None]:
+        centre, radius, there = sphere
+        found = over_sphere(form, swept, paths, centre[..., None], radius[None], there[:, None])
+        return join(totals, found), None
+
+    apart, there = jnp.moveaxis(centres, 2, 0), present.T
+    none = no_totals(paths.active.shape[1])
+    if centres.shape[2] == 1:
+        return step(none, (apart[0], radii[0], there[0]))[0]
+    return lax.scan(step, none, (apart, radii, there))[0]
+
+
+def over_sphere(
+    form: str,
+    swept: bool,
+    paths: Paths,
+    sphere: Float[Array, "3 T A"],
+    radius: Float[Array, " A"],
+    present: Bool[Array, "T A"],
+) -> Totals:
+    """(e'/Δt, d, d0) of every candidate against one sphere, or (A = C) each against its own."""
     times, candidates = paths.active.shape
     wide = candidates >= WIDE and times <= _STRAIGHT
-    over_time = partial(_over_time_wide if wide else _over_time, form, swept)
-
-    def step(totals, sphere):
-        centre, radius, there = sphere
-        both = there[:, None]
-        masked = paths._replace(active=paths.active & both, scored=paths.scored & both)
-        return _join(totals, over_time(masked, centre, radius)), None
-
-    spheres = (jnp.moveaxis(centres, 2, 0), radii, present.T)
-    if centres.shape[2] == 1:
-        return step(_no_totals(paths), tuple(x[0] for x in spheres))[0]
-    return lax.scan(step, _no_totals(paths), spheres)[0]
+    masked = paths._replace(active=paths.active & present, scored=paths.scored & present)
+    return (_over_time_wide if wide else _over_time)(form, swept, masked, sphere, radius)
 
 
 def _over_time(
     form: str,
     swept: bool,
     paths: Paths,
-    sphere: Float[Array, "3 T"],
-    radius: Float[Array, ""],
+    sphere: Float[Array, "3 T A"],
+    radius: Float[Array, " A"],
 ) -> Totals:
     """(e'/Δt, d, d0) of every candidate against one attack sphere, by a loop over time."""
     step = partial(_time_step, form, swept, paths, sphere, radius)
@@ -106,8 +118,8 @@ def _over_time_wide(
     form: str,
     swept: bool,
     paths: Paths,
-    sphere: Float[Array, "3 T"],
-    radius: Float[Array, ""],
+    sphere: Float[Array, "3 T A"],
+    radius: Float[Array, " A"],
 ) -> Totals:
     """The same for many candidates, as straight code.
 
@@ -122,7 +134,7 @@ def _over_time_wide(
         for t in range(start, min(start + _BLOCK, sphere.shape[1])):
             sums, _ = step(sums, t)
         totals.append(_over_body(sums, paths, radius))
-    return reduce(_join, totals)
+    return reduce(join, totals)
 
 
 @_over_time_wide.defjvp
@@ -181,18 +193,20 @@ def _over_body(sums: _Sums, paths: Paths, radius: Array) -> Totals:
     return jnp.sum(moved, axis=1), nearest, nearest0
 
 
-def _no_totals(paths: Paths) -> Totals:
-    far = jnp.full_like(paths.start[0, :, 0], FAR)
+def no_totals(candidates: int) -> Totals:
+    """Of candidates that were compared with nothing."""
+    far = jnp.full(candidates, FAR, jnp.float32)
     return jnp.zeros_like(far), far, far
 
 
-def _join(one: Totals, other: Totals) -> Totals:
+def join(one: Totals, other: Totals) -> Totals:
+    """Over the spheres or times of both."""
     return one[0] + other[0], jnp.minimum(one[1], other[1]), jnp.minimum(one[2], other[2])
 
 
 def _reach(paths: Paths, radius: Array) -> Array:
-    """[1,S] distance of the centres at which the attack sphere touches each body sphere."""
-    return (paths.radii + radius)[None]
+    """[A,S] distance of the centres at which the attack sphere touches each body sphere."""
+    return paths.radii[None] + radius[:, None]
 
 
 def _at(array: Array, t: int | Array, axis: int) -> Array:
@@ -201,9 +215,10 @@ def _at(array: Array, t: int | Array, axis: int) -> Array:
     return lax.dynamic_index_in_dim(array, t, axis, keepdims=False)
 
 
-def _relative(sphere: Float[Array, "3"], body: Float[Array, "3 C S"]) -> Vector:
+def _relative(sphere: Float[Array, "3 A"], body: Float[Array, "3 C S"]) -> Vector:
     """Vectors from the body spheres to the attack sphere."""
-    return sphere[0] - body[0], sphere[1] - body[1], sphere[2] - body[2]
+    x, y, z = (sphere[k][:, None] - body[k] for k in range(3))
+    return x, y, z
 
 
 def _squared(vector: Vector) -> Array:

@@ -16,6 +16,7 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.check import CHECK_RATE, FAR
+from mgjax.avoidance.shot import SPHERES
 from mgjax.avoidance.volumes import preset_spheres
 from mgjax.core import planar, quaternion
 from mgjax.core.arrays import Array
@@ -79,8 +80,12 @@ def body_of(graph: MotionGraph) -> tuple[Body, float]:
     return body, float(reach.max())
 
 
+FRAMES = 64
+"""Written frames that a call is compiled for, and four times as many, …"""
+
+
 @jax.jit
-def _nearest(
+def nearest_of(
     body: Body,
     poses: Poses,
     attack_centres: Float[Array, "T I 3"],
@@ -154,19 +159,20 @@ def clearance_between(
         return FAR
     a, b = max(int(near[0]) - 1, 0), min(int(near[-1]) + 1, len(times) - 1)
     count = b - a + 1
-    size = bucket_size(count, 32)
+    size = bucket_size(count, FRAMES, 4)
     poses = jax.tree.map(lambda x: pad_axis(x[a : b + 1], size), poses)
     moments = (2 * (first + a) + np.arange(2 * size - 1)) / CHECK_RATE
     moments = np.clip(moments, max(begin, attack.start), end)
     centres, there = attack.at(moments), attack.active(moments)
     absent = ~(there[:-1] & there[1:])
     absent[2 * count - 2 :] = True
-    nearest = _nearest(
+    slots = bucket_size(len(attack.radii), SPHERES, 8)
+    nearest = nearest_of(
         body,
         poses,
-        centres.astype(np.float32),
-        attack.radii.astype(np.float32),
-        absent.astype(np.float32),
+        pad_axis(centres.astype(np.float32), slots, axis=1),
+        pad_axis(attack.radii.astype(np.float32), slots),
+        pad_axis(absent.astype(np.float32), slots, axis=1, value=1),
     )
     sag = attack.acceleration / CHECK_RATE**2 / 4
     return min(float(nearest) - sag, FAR)

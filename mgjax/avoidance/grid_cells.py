@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.avoidance.attack import Attack, Crop
+from mgjax.avoidance.attack import Attack
+from mgjax.avoidance.crop import Crop
 
 CELL_M = 0.1
 LOWEST, HEIGHTS = -2, 28
@@ -31,19 +32,36 @@ def touched_cells(attack: Attack, crop: Crop) -> Int[np.ndarray, "M 3"] | None:
     Returns:
         The cells, or None if some are outside the space that indices cover.
     """
-    inner = attack.times[(attack.times > crop.start) & (attack.times < crop.end)]
-    times = np.concatenate([[crop.start], inner, [crop.end]])
-    centres = attack.at(times)
-    grown = attack.radii + attack.acceleration * np.diff(times).max() ** 2 / 8
-    low = np.floor((centres - grown[:, None]).min(axis=(0, 1)) / CELL_M)
-    high = np.floor((centres + grown[:, None]).max(axis=(0, 1)) / CELL_M)
+    _, lines, radii = swept_lines(attack, crop)
+    low = np.floor((lines - radii[:, None]).min(axis=(0, 1)) / CELL_M)
+    high = np.floor((lines + radii[:, None]).max(axis=(0, 1)) / CELL_M)
     if (low < COVERED[0]).any() or (high >= COVERED[1]).any():
         return None
     low, high = low.astype(np.int64) - 1, high.astype(np.int64) + 1
     marks = np.zeros(high - low + 1, bool)
-    for i, radius in enumerate(grown):
-        _mark_capsules(marks, low, centres[:, i], float(radius))
+    for i, radius in enumerate(radii):
+        _mark_capsules(marks, low, lines[:, i], float(radius))
     return np.stack(np.nonzero(marks), axis=1) + low
+
+
+def swept_lines(
+    attack: Attack, crop: Crop
+) -> tuple[Float[np.ndarray, " K"], Float[np.ndarray, "K I 3"], Float[np.ndarray, " I"]]:
+    """Times, centres and radii of the capsules that a cropped attack sweeps.
+
+    The radii are enlarged where the attack is curved between knots.
+    """
+    knots = attack.times
+    first, stop = knots.searchsorted(crop.start, "right"), knots.searchsorted(crop.end)
+    times = np.concatenate([[crop.start], knots[first:stop], [crop.end]])
+    if attack.starts is None and attack.stops is None:
+        ends = attack.at(times[[0, -1]])
+        centres = np.concatenate([ends[:1], attack.centres[first:stop], ends[1:]])
+    else:
+        centres = attack.at(times)
+    if attack.acceleration == 0:
+        return times, centres, attack.radii
+    return times, centres, attack.radii + attack.acceleration * np.diff(times).max() ** 2 / 8
 
 
 def _mark_capsules(
@@ -77,7 +95,7 @@ def _mark_capsules(
     open_ = (squared <= (radius + 0.8661 * CELL_M) ** 2) & ~flat[key]
     piece, key = np.nonzero(open_)[0], key[open_]
     corner = np.stack(np.unravel_index(key, marks.shape), axis=1) + low
-    flat[key[_box_gap(start[piece], way[piece], corner * CELL_M) <= radius]] = True
+    flat[key[box_gap(start[piece], way[piece], corner * CELL_M) <= radius]] = True
 
 
 def _short_pieces(line: Float[np.ndarray, "K 3"]) -> tuple[np.ndarray, np.ndarray]:
@@ -100,7 +118,7 @@ def _limited(values: np.ndarray, low: float, high: float) -> np.ndarray:
     return np.minimum(np.maximum(values, low), high)
 
 
-def _box_gap(
+def box_gap(
     start: Float[np.ndarray, "B 3"], way: Float[np.ndarray, "B 3"], corner: Float[np.ndarray, "B 3"]
 ) -> Float[np.ndarray, " B"]:
     """Least distance of segments start … start + way to cells, in closed form.

@@ -17,14 +17,16 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, fields
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Int, UInt, UInt32
+from jaxtyping import Bool, Int, UInt, UInt32
 
 from mgjax.avoidance.candidates import NO_EDGE, Candidates
 from mgjax.avoidance.grid_cells import COVERED, HEIGHTS, LOWEST, SPAN, touched_cells
+from mgjax.avoidance.swept_cells import SweptCells
 from mgjax.core.errors import FileFormatError
 from mgjax.graph.types import MotionGraph
 from mgjax.io.store import load_arrays, save_arrays
@@ -96,6 +98,29 @@ class GridIndex:
         arrays = (getattr(self, f.name) for f in fields(self))
         return sum(a.nbytes for a in arrays if isinstance(a, np.ndarray))
 
+    @cached_property
+    def leaps(self) -> list[UInt[np.ndarray, " P1"]]:
+        """The path after 1, 2, 4, … edges of a path, P where there is none; see ``follow``."""
+        leaps = [self.follow]
+        longest = int(self.length.max(initial=1))
+        while 1 << len(leaps) < longest:
+            leaps.append(leaps[-1][leaps[-1]])
+        return leaps
+
+    @cached_property
+    def edge_or_none(self) -> Int[np.ndarray, " P1"]:
+        """The first edge of a path, ``NO_EDGE`` for path P."""
+        return np.append(self.edge.astype(np.int64), NO_EDGE)
+
+    @cached_property
+    def places(self) -> Int[np.ndarray, "W C"]:
+        """Columns from the origin of a rectangle to a place in it, by width and place."""
+        place = np.arange(int(self.column.max(initial=0)) + 1)
+        x, z = np.divmod(
+            place, np.maximum(np.arange(int(self.width.max(initial=0)) + 1), 1)[:, None]
+        )
+        return x * SPAN + z
+
 
 _PLAIN = ("horizon", "half_frames", "fingerprint", "report")
 
@@ -103,7 +128,7 @@ _PLAIN = ("horizon", "half_frames", "fingerprint", "report")
 def lookup(
     index: GridIndex,
     node: int,
-    cells: Int[np.ndarray, "M 3"] | None,
+    cells: SweptCells | Int[np.ndarray, "M 3"] | None,
     t_attack: float,
     window: float,
 ) -> Candidates | None:
@@ -112,7 +137,8 @@ def lookup(
     Args:
         index: of the graph.
         node: where the walks begin.
-        cells: in the node's planar frame, each once, see :func:`touched_cells`.
+        cells: in the node's planar frame, see
+            :func:`~mgjax.avoidance.swept_cells.swept_cells` and :func:`touched_cells`.
         t_attack: s from the beginning of the walk.
         window: T, s.
 
@@ -121,35 +147,44 @@ def lookup(
         perhaps none; or None where the index cannot say: the window ends after the horizon or after
         what there was room for at this node, or a cell lies outside the space that is covered.
     """
-    if cells is None or (cells < COVERED[0]).any() or (cells >= COVERED[1]).any():
+    if cells is None or (isinstance(cells, np.ndarray) and _outside(cells)):
         return None
     low, high = t_attack - window / 2, t_attack + window / 2
-    if high > index.horizon or high * index.half_frames > index.node_limit[node] + 1:
+    if high > index.horizon or high * index.half_frames > index.node_limit.item(node) + 1:
         return None
     first, stop = index.node_first[node], index.node_first[node + 1]
     time = index.time[first:stop] / index.half_frames
-    paths = first + np.flatnonzero((time > low) & (time < high))
-    paths = paths[index.column_count[paths] > 0]
+    paths = ((time > low) & (time < high)).nonzero()[0] + first
     if paths.size:
-        starts, columns, masks = _columns(index, paths)
-        touched = (_image(cells)[columns] & masks) != 0
-        paths = paths[np.logical_or.reduceat(touched, starts)]
+        paths = paths[_touched(index, paths, cells)]
     return _walks(index, paths)
 
 
-def _columns(
-    index: GridIndex, paths: Int[np.ndarray, " C"]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All columns of paths: where those of each path start, their number, their bits."""
-    count = index.column_count[paths].astype(np.int64)
-    starts = np.cumsum(count) - count
-    rows = np.repeat(np.arange(len(paths)), count)
-    at = np.arange(len(rows)) + (index.column_first[paths].astype(np.int64) - starts)[rows]
-    width = index.width[paths].astype(np.int32)[rows]
-    along = index.column[at].astype(np.int32)
-    x = along // width
-    columns = index.origin[paths].astype(np.int32)[rows] + x * SPAN + (along - x * width)
-    return starts, columns, index.masks[index.code[at]]
+def _touched(
+    index: GridIndex, paths: Int[np.ndarray, " C"], cells: SweptCells | Int[np.ndarray, "M 3"]
+) -> Bool[np.ndarray, " C"]:
+    """Which paths have a cell that is touched."""
+    touched = np.zeros(len(paths), bool)
+    if isinstance(cells, np.ndarray):
+        rows, columns, masks = _columns(index, paths)
+        touched[rows[(_image(cells)[columns] & masks) != 0]] = True
+        return touched
+    rows, columns, masks = _columns(index, paths, cells.first)
+    touched[rows[(cells.sure.take(columns, mode="clip") & masks).nonzero()[0]]] = True
+    if touched.all():
+        return touched
+    masks &= cells.perhaps().take(columns, mode="clip")
+    masks[touched[rows]] = 0
+    open_ = masks.nonzero()[0]
+    if open_.size:
+        which, some = _cells(columns[open_] + cells.first, masks[open_])
+        touched[rows[open_[which[cells.touches(some)]]]] = True
+    return touched
+
+
+def _outside(cells: Int[np.ndarray, "M 3"]) -> bool:
+    """Whether a cell lies outside the space that is covered."""
+    return bool((cells < COVERED[0]).any() or (cells >= COVERED[1]).any())
 
 
 def _image(cells: Int[np.ndarray, "M 3"]) -> UInt32[np.ndarray, " S"]:
@@ -160,30 +195,51 @@ def _image(cells: Int[np.ndarray, "M 3"]) -> UInt32[np.ndarray, " S"]:
     return image
 
 
+def _columns(
+    index: GridIndex, paths: Int[np.ndarray, " C"], lowest: int = 0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """All columns of paths: the row of the path, the number less ``lowest``, the bits."""
+    count = index.column_count[paths].astype(np.int64)
+    rows = np.arange(len(paths)).repeat(count)
+    first = index.column_first[paths] - (count.cumsum() - count)
+    at = np.arange(len(rows)) + first[rows]
+    table = index.width[paths] * np.int64(index.places.shape[1])
+    columns = index.places.take(table[rows] + index.column[at])
+    columns += (index.origin[paths] - np.int64(lowest))[rows]
+    return rows, columns, index.masks[index.code[at]]
+
+
+def _cells(
+    columns: Int[np.ndarray, " X"], masks: UInt32[np.ndarray, " X"]
+) -> tuple[Int[np.ndarray, " M"], Int[np.ndarray, "M 3"]]:
+    """The cells of columns, and which of these each one is from."""
+    which, bit = np.nonzero((masks[:, None] >> np.arange(HEIGHTS, dtype=np.uint32)) & 1)
+    columns = columns[which]
+    x = columns // SPAN
+    z = columns - x * SPAN
+    return which, np.stack([x - SPAN // 2, bit + LOWEST, z - SPAN // 2], axis=1)
+
+
 def _walks(index: GridIndex, paths: Int[np.ndarray, " C"]) -> Candidates:
     """The paths as walks."""
     length = index.length[paths].astype(np.int64)
-    rows = np.empty((int(length.max(initial=1)), len(paths)), np.int64)
-    if not len(paths):
-        edges = np.full((0, 1), NO_EDGE)
-        return Candidates(edges=edges, length=length, part=np.zeros(0, np.int64), overflow=0)
-    rows[0] = paths
-    for depth in range(1, len(rows)):
-        rows[depth] = index.follow[rows[depth - 1]]
-    ended = rows == len(index.edge)
-    rows[ended] = 0
-    edges = index.edge[rows].astype(np.int64)
-    edges[ended] = NO_EDGE
     part = index.part[paths].astype(np.int64)
-    return Candidates(edges=np.ascontiguousarray(edges.T), length=length, part=part, overflow=0)
+    rows = np.empty((int(length.max(initial=1)), len(paths)), np.int64)
+    rows[0], known = paths, 1
+    for leap in index.leaps:
+        if known == len(rows):
+            break
+        more = min(known, len(rows) - known)
+        rows[known : known + more] = leap[rows[:more]]
+        known += more
+    edges = index.edge_or_none.take(rows.T)
+    return Candidates(edges=edges, length=length, part=part, overflow=0)
 
 
 def cells_of(index: GridIndex, path: int) -> Int[np.ndarray, "M 3"]:
     """The cells of one path, in its node's planar frame, in ascending order."""
     _, columns, masks = _columns(index, np.array([path]))
-    which, bit = np.nonzero((masks[:, None] >> np.arange(HEIGHTS, dtype=np.uint32)) & 1)
-    x, z = np.divmod(columns[which], SPAN)
-    cells = np.stack([x - SPAN // 2, bit + LOWEST, z - SPAN // 2], axis=1).astype(np.int64)
+    cells = _cells(columns, masks)[1]
     return cells[np.lexsort(cells.T[::-1])]
 
 

@@ -9,11 +9,12 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.avoidance.attack import Attack, crop_attack
+from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.candidates import enumerate_candidates
 from mgjax.avoidance.check import CLEAR_M, EXPORT_RATE, clearance, trace_motion
 from mgjax.avoidance.choice import choose
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.crop import crop_attack
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.evaluate import judge
 from mgjax.avoidance.exact import clearance_between

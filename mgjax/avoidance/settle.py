@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
+from typing import NamedTuple
 
-import jax
 import numpy as np
+from jaxtyping import Float, Int
 
 from mgjax.avoidance.answer import Choice, Dropped, Energy
-from mgjax.avoidance.attack import Attack, Crop
+from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.candidates import NO_EDGE, Candidates
-from mgjax.avoidance.certify import LANES, MORE_LANES, Bounds
+from mgjax.avoidance.certify import MORE_LANES, Bounds
 from mgjax.avoidance.check import CLEAR_M
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.crop import Crop
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.exact import clearance_between
 from mgjax.avoidance.follow import Played, extend, play_on
-from mgjax.avoidance.search import SCORES, Found, Task, bound
-from mgjax.avoidance.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE
+from mgjax.avoidance.search import DEPTH, HOPELESS_M, SCORES, STATUS, Found, Task, bound
+from mgjax.avoidance.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE, PADDING
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk
 
@@ -52,29 +54,31 @@ def settle(
     path is clear and the longest edges after it are not, the poses of the written motion are looked
     at, and other edges are tried after the path.
     """
-    counts = np.asarray(found.counts)
+    judged = np.asarray(found.scores)
+    fit = judged[STATUS] == OK
+    counts = np.bincount(judged[STATUS].astype(np.int64), minlength=PADDING + 1).tolist()
     dropped = Dropped(
         culled=culled,
-        not_adjustable=int(counts[NOT_ADJUSTABLE]),
-        time_scale=int(counts[OUT_OF_RANGE]),
+        not_adjustable=counts[NOT_ADJUSTABLE],
+        time_scale=counts[OUT_OF_RANGE],
         overflow=candidates.overflow,
     )
-    usable = int(counts[OK])
+    usable = counts[OK]
     if not usable:
         return Settled(choice=None, dropped=dropped)
     # Without hope for any the one that is touched least stands for all.
-    hopeful = max(int(found.hopeful), 1)
+    hopeful = max(int(np.count_nonzero(fit & (judged[DEPTH] >= -HOPELESS_M))), 1)
     order = np.asarray(found.order)[: min(hopeful, config.checks)]
     clear, hits = False, 0
     best: tuple[int, Played] | None = None
-    for number, lane, bounds in _lanes(graph, order, task, found, config):
-        touched = bool(bounds.touched_from[lane] < bounds.path_end[lane])
-        if touched and best is not None and bounds.clearance[lane] <= best[1].clearance:
+    for lane in _lanes(graph, order, task, found, config):
+        touched = lane.touched_from < lane.path_end
+        if touched and best is not None and lane.clearance <= best[1].clearance:
             hits += 1
             continue
-        clear, played = _decide(graph, attack, int(task.length[number]), lane, bounds, config)
+        clear, played = _decide(graph, attack, task, lane, config)
         if clear or best is None or played.clearance > best[1].clearance:
-            best = (number, played)
+            best = (lane.number, played)
         if clear:
             break
         hits += 1
@@ -84,13 +88,13 @@ def settle(
         hits += usable - hopeful
         dropped = replace(dropped, overflow=dropped.overflow + hopeful - len(order))
     dropped = replace(dropped, hit=hits)
-    scores = dict(zip(SCORES, np.asarray(found.scores)[number].tolist(), strict=True))
+    scores = dict(zip(SCORES, judged[:STATUS, number].tolist(), strict=True))
     choice = Choice(
         status="avoided" if clear else "hit",
         node=node,
         walk=played.walk,
-        path_length=int(task.length[number]),
-        part=int(task.part[number]),
+        path_length=int(task.walks.length[number]),
+        part=int(task.walks.part[number]),
         time_scale=scores.pop("s_time"),
         candidates=len(candidates.length) + candidates.overflow + culled,
         dropped=dropped,
@@ -115,48 +119,61 @@ def _worth(choice: Choice) -> tuple[bool, float]:
     return choice.status == "avoided", choice.clearance_m or 0.0
 
 
+class _Lane(NamedTuple):
+    """A candidate with what follows it, and what is certain of it; see :class:`Bounds`."""
+
+    number: int
+    edges: Int[np.ndarray, " M"]
+    scales: Float[np.ndarray, " M"]
+    clearance: float
+    least: float
+    doubt_from: float
+    touched_from: float
+    path_end: float
+
+
 def _lanes(
     graph: MotionGraph, order: np.ndarray, task: Task, found: Found, config: AvoidanceConfig
-) -> Iterator[tuple[int, int, Bounds]]:
-    """Candidates in their order, each with its lane in the bounds of some."""
-    _, device = search_tables(graph, config.body_rate, config.speed)
-    for first in (0, *range(LANES, len(order), MORE_LANES)):
-        some = order[first : first + MORE_LANES] if first else order[:LANES]
-        bounds = found.bounds
-        if first:
-            rows = np.resize(some, MORE_LANES)  # repeats fill the lanes
-            bounds = bound(
-                device,
-                task.edges[rows],
-                np.asarray(found.scales)[rows],
-                task.length[rows],
-                task.flight,
-                frame_rate=graph.frame_rate,
-            )
-        bounds = jax.tree.map(np.asarray, bounds)
-        for lane, number in enumerate(some):
-            yield int(number), lane, bounds
+) -> Iterator[_Lane]:
+    """Candidates in their order, each with its bounds."""
+    known = found.bounds.figures.shape[0]
+    yield from _bounded(order[:known], found.bounds)
+    for first in range(known, len(order), MORE_LANES):
+        some = order[first : first + MORE_LANES]
+        rows = np.resize(some, MORE_LANES)  # repeats fill the lanes
+        bounds = bound(
+            search_tables(graph, config.body_rate, config.speed)[1],
+            task.walks.rows(rows),
+            np.asarray(found.scales)[:, rows],
+            task.shots,
+            frame_rate=graph.frame_rate,
+        )
+        yield from _bounded(some, bounds)
+
+
+def _bounded(numbers: np.ndarray, bounds: Bounds) -> Iterator[_Lane]:
+    edges, scales = np.asarray(bounds.edges), np.asarray(bounds.scales)
+    figures = np.asarray(bounds.figures).tolist()
+    for lane, number in enumerate(numbers.tolist()):
+        yield _Lane(number, edges[lane], scales[lane], *figures[lane])
 
 
 def _decide(
-    graph: MotionGraph,
-    attack: Attack,
-    length: int,
-    lane: int,
-    bounds: Bounds,
-    config: AvoidanceConfig,
+    graph: MotionGraph, attack: Attack, task: Task, lane: _Lane, config: AvoidanceConfig
 ) -> tuple[bool, Played]:
     """Whether a candidate stays clear, and what would be played."""
-    until = attack.end + config.settle_s
-    clearance = float(bounds.clearance[lane])
-    if bounds.least[lane] >= CLEAR_M:
-        walk = _walk(graph, bounds, lane, until)
-        return True, Played(walk=walk, clearance=clearance, clear_until=None)
-    if bounds.touched_from[lane] < bounds.path_end[lane]:
-        walk = _walk(graph, bounds, lane, until)
-        return False, Played(walk=walk, clearance=clearance, clear_until=None)
-    edges, scales = (np.asarray(x[lane, :length]) for x in (bounds.edges, bounds.scales))
-    played = play_on(graph, attack, make_walk(graph, edges, scales), config)
+    walk = _walk(graph, lane, attack.end + config.settle_s)
+    default = Played(walk=walk, clearance=lane.clearance, clear_until=None)
+    if lane.least >= CLEAR_M:
+        return True, default
+    if lane.touched_from < lane.path_end:
+        return False, default
+    whole = clearance_between(graph, attack, walk, 0.0, attack.end)
+    if whole >= CLEAR_M + ROUNDING_M:
+        return True, Played(walk=walk, clearance=whole, clear_until=None)
+    length = int(task.walks.length[lane.number])
+    path = make_walk(graph, lane.edges[:length], lane.scales[:length])
+    played = play_on(graph, attack, path, config)
     if played.clearance < CLEAR_M or played.clear_until is not None:
         return False, played
     # Pieces were checked one by one; what counts is the motion as a whole.
@@ -165,12 +182,12 @@ def _decide(
     return whole >= CLEAR_M + ROUNDING_M, played
 
 
-def _walk(graph: MotionGraph, bounds: Bounds, lane: int, until: float) -> Walk:
+def _walk(graph: MotionGraph, lane: _Lane, until: float) -> Walk:
     """A lane's walk, cut or extended to end after ``until`` s."""
-    edges = np.asarray(bounds.edges[lane], dtype=np.int64)
-    edges = edges[edges != NO_EDGE]
-    scales = np.asarray(bounds.scales[lane, : len(edges)], dtype=np.float64)
-    ends = np.cumsum(graph.edge_frames[edges] * scales) / graph.frame_rate
-    path = int(np.searchsorted(ends, float(bounds.path_end[lane]) - 1e-4)) + 1
-    needed = max(int(np.searchsorted(ends, until)) + 1, path)
-    return extend(graph, Walk(edges=edges[:needed], scales=scales[:needed]), until)
+    edges = lane.edges[lane.edges != NO_EDGE].astype(np.int64)
+    scales = lane.scales[: len(edges)].astype(np.float64)
+    ends = np.cumsum(graph.edge_frames[edges] * scales)
+    last = max(lane.path_end - 1e-4, until) * graph.frame_rate
+    needed = int(ends.searchsorted(last)) + 1
+    walk = Walk(edges=edges[:needed], scales=scales[:needed])
+    return walk if needed <= len(edges) else extend(graph, walk, until)

@@ -12,8 +12,9 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.avoidance.attack import Attack, Crop
+from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.candidates import NO_EDGE, Candidates
+from mgjax.avoidance.crop import Crop
 from mgjax.avoidance.slices import Form, Slices
 from mgjax.avoidance.slices_draw import Drawn, draw_attack
 from mgjax.avoidance.slices_kernel import Pixels, overlap

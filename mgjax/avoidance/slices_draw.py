@@ -18,7 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int, UInt16
 
-from mgjax.avoidance.attack import Attack, Crop
+from mgjax.avoidance.attack import Attack
+from mgjax.avoidance.crop import Crop
 
 LAYERS = 9
 LAYER_M = 0.25

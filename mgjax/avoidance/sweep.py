@@ -8,10 +8,11 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from mgjax.avoidance.attack import Attack, Crop, crop_attack
+from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.batch import AVOIDED, HIT, NO_CANDIDATE
 from mgjax.avoidance.candidates import Candidates, enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
+from mgjax.avoidance.crop import Crop, crop_attack
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.rescore import CLEAR, NONE, UNKNOWN, Picked
 from mgjax.avoidance.validate import validate_config, validate_start

@@ -21,27 +21,27 @@ class Timing:
 
     Attributes:
         s_time: factor on the duration of the adjustable edges (eq. 3).
-        scales: factor on the duration of each edge. [L]
+        scales: factor on the duration of each edge. [L] or [L, C]
         status: ``OK``, ``NOT_ADJUSTABLE`` or ``OUT_OF_RANGE``.
     """
 
     s_time: Float[Array, "*c"]
-    scales: Float[Array, "*c L"]
+    scales: Float[Array, "*l"]
     status: Int[Array, "*c"]
 
 
 def time_scale(
-    seconds: Float[Array, " L"],
-    slow_down: Bool[Array, " L"],
-    speed_up: Bool[Array, " L"],
-    length: Int[Array, ""],
-    part_centre: Float[Array, ""],
-    t_attack: Float[Array, ""],
+    seconds: Float[Array, "*l"],
+    slow_down: Bool[Array, "*l"],
+    speed_up: Bool[Array, "*l"],
+    length: Int[Array, "*c"],
+    part_centre: Float[Array, "*c"],
+    t_attack: Float[Array, "*a"],
     *,
     half_frame: float,
     limit: Float[Array, ""],
 ) -> Timing:
-    """Scales one walk (eqs 2–3).
+    """Scales one walk, or many side by side (eqs 2–3).
 
     s_time = (t_attack − t_nonadjustable) / t_adjustable, both counted up to the middle of the
     avoidance part; every adjustable edge is scaled whole. Where the path must become shorter, the
@@ -52,20 +52,22 @@ def time_scale(
         factor outside [1/limit, limit] is out of range; the paper keeps it (``limit`` = inf).
 
     Args:
-        seconds: natural duration of each edge, padded. [L]
-        slow_down, speed_up: whether it may be. [L]
+        seconds: natural duration of each edge, padded. [L] or [L, C]
+        slow_down, speed_up: whether it may be.
         length: edges in the walk; the last holds the part.
         part_centre: middle of the part within the last edge, s.
-        t_attack: s from the beginning of the walk.
+        t_attack: s from the beginning of the walk; one for each walk, or one for all.
         half_frame: half a frame of the motion, s.
         limit: largest factor, and inverse of the smallest.
     """
-    index = jnp.arange(seconds.shape[0])
-    counted = jnp.where(index < length - 1, seconds, 0.0)
-    counted = jnp.where(index == length - 1, part_centre, counted)
-    t_avoid = jnp.sum(counted)
-    adjustable = jnp.where(t_avoid > t_attack, speed_up, slow_down) & (index < length)
-    flexible = jnp.sum(jnp.where(adjustable, counted, 0.0))
+    index = jnp.arange(seconds.shape[0]).reshape(-1, *[1] * length.ndim)
+    last = (length - 1)[None]
+    counted = jnp.where(index < last, seconds, 0.0)
+    counted = jnp.where(index == last, part_centre[None], counted)
+    t_avoid = jnp.sum(counted, axis=0)
+    shorten = t_avoid > t_attack
+    adjustable = jnp.where(shorten[None], speed_up, slow_down) & (index < length[None])
+    flexible = jnp.sum(jnp.where(adjustable, counted, 0.0), axis=0)
     exact = jnp.abs(t_avoid - t_attack) <= half_frame
     s = (t_attack - (t_avoid - flexible)) / jnp.maximum(flexible, 1e-6)
     s = jnp.where(exact, 1.0, s)
@@ -73,4 +75,5 @@ def time_scale(
     stiff = (flexible < 1e-6) & ~exact
     status = jnp.where(stiff, NOT_ADJUSTABLE, jnp.where(out, OUT_OF_RANGE, OK))
     usable = jnp.where(status == OK, s, 1.0)
-    return Timing(s_time=usable, scales=jnp.where(adjustable & ~exact, usable, 1.0), status=status)
+    scaled = adjustable & ~exact[None]
+    return Timing(s_time=usable, scales=jnp.where(scaled, usable[None], 1.0), status=status)

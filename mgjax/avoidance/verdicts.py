@@ -9,16 +9,17 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.avoidance.attack import Attack, Crop
+from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.candidates import Candidates
 from mgjax.avoidance.certify import MORE_LANES, Bounds
 from mgjax.avoidance.check import CLEAR_M
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
+from mgjax.avoidance.crop import Crop
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.evaluate import Judged, judge_all
 from mgjax.avoidance.exact import body_of
 from mgjax.avoidance.rescore import CLEAR, TOUCHED, UNKNOWN, Picked, pick_each
-from mgjax.avoidance.search import HOPELESS_M, SCORES, Found, Task, bound, make_task
+from mgjax.avoidance.search import HOPELESS_M, STATUS, Found, Task, bound, make_task
 from mgjax.avoidance.settle import settle
 from mgjax.avoidance.time_scale import OK, PADDING
 from mgjax.graph.types import MotionGraph
@@ -80,10 +81,9 @@ class Question:
             rows = np.resize(some, MORE_LANES)  # repeats fill the lanes
             found = bound(
                 device,
-                self.task.edges[rows],
-                scales[rows],
-                self.task.length[rows],
-                self.task.flight,
+                self.task.walks.rows(rows),
+                scales[:, rows],
+                self.task.shots,
                 frame_rate=self.graph.frame_rate,
             )
             found = jax.tree.map(lambda x, some=some: np.asarray(x)[: len(some)], found)
@@ -97,15 +97,12 @@ class Question:
 
     def _settle(self, number: int) -> None:
         """The verdict on one candidate, by a search that has no other."""
-        count = len(self.task.length)
-        counts = np.zeros(PADDING + 1, np.int32)
-        counts[OK] = 1
+        scores = np.full((STATUS + 1, len(self.task.walks.length)), PADDING, np.float32)
+        scores[STATUS, number] = OK
         alone = Found(
-            scores=np.zeros((count, len(SCORES)), np.float32),
+            scores=scores,
             scales=self.judged.timing.scales,
-            order=np.roll(np.arange(count, dtype=np.int32), -number),
-            counts=counts,
-            hopeful=np.asarray(1, np.int32),
+            order=np.array([number], np.int32),
             bounds=self.doubts.pop(number),
         )
         choice = settle(
@@ -145,15 +142,13 @@ def ask(
     task = make_task(candidates, attack, crop, config, body_of(graph)[1])
     judged = _judge(
         device,
-        task.edges,
-        task.length,
-        task.part,
-        task.problem,
+        task.walks,
+        task.shots,
         EnergyConfig(form=form),
         half_frame=0.5 / graph.frame_rate,
         limit_scale=False,
     )
-    count = len(task.length)
+    count = len(task.walks.length)
     question = Question(
         graph=graph,
         node=node,

@@ -8,6 +8,7 @@ from typing import Any
 
 from mgjax.cli.commands import Bench
 from mgjax.cli.report import emit, to_json
+from mgjax.core.compilation import one_thread
 from mgjax.core.errors import ConfigError
 from mgjax.io.output import output_folder
 
@@ -42,6 +43,7 @@ def _selection(command: Bench) -> tuple[dict[str, Any], list[str]]:
     from mgjax.graph.files import load_graph
     from mgjax.runs.selection_rows import selection_rows
 
+    one_thread()
     if command.graph is None:
         raise ConfigError("got no --graph, expected the folder of a graph for bench selection")
     folder = Path(command.graph)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -83,7 +84,7 @@ class MotionGraph:
     def num_edges(self) -> int:
         return len(self.edge_source)
 
-    @property
+    @cached_property
     def edge_frames(self) -> Int[np.ndarray, " E"]:
         """Frames that each edge plays."""
         return self.edge_stops - self.edge_starts

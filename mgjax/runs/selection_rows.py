@@ -11,11 +11,12 @@ import jax
 import numpy as np
 from tqdm import tqdm
 
-from mgjax.avoidance.attack import Attack, ball_attack, crop_attack
+from mgjax.avoidance.attack import Attack, ball_attack
 from mgjax.avoidance.batch import select_batch
 from mgjax.avoidance.candidates import NO_EDGE, Candidates, enumerate_candidates
 from mgjax.avoidance.choice import best_of, choose, lookup_candidates
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.crop import crop_attack
 from mgjax.avoidance.culling import PIXELS, graph_slices
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.evaluate import judge

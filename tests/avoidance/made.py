@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mgjax.avoidance.attack import Attack, ball_attack
@@ -107,3 +109,9 @@ def throw(
     at = np.array([0.0, drawn if height is None else height, 0.0])
     start = at + 5.0 * np.array([np.sin(side), 0.0, np.cos(side)])
     return ball_attack(start, at, speed=speed, arrives=arrives, **more)
+
+
+def with_knots(attack: Attack, count: int) -> Attack:
+    """The same attack with evenly spaced knots."""
+    times = np.linspace(attack.start, attack.end, count)
+    return replace(attack, times=times, centres=attack.at(times))

@@ -1,20 +1,15 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import hypothesis
 import hypothesis.strategies as st
 import numpy as np
 import pytest
 
-from mgjax.avoidance.attack import (
-    BEYOND_M,
-    MAX_SECONDS,
-    Attack,
-    ball_attack,
-    crop_attack,
-    validate_attack,
-)
+from mgjax.avoidance.attack import BEYOND_M, MAX_SECONDS, Attack, ball_attack, validate_attack
+from mgjax.avoidance.crop import crop_attack
 from mgjax.core.errors import AttackError
 from tests.reference import avoidance as reference
 
@@ -213,3 +208,53 @@ def test_crop_by_hand() -> None:
     assert crop_attack(attack, radius=1.0, height=0.9) is None
     wide = thrown((3, 1.0, 5.0), (3, 1.0, 0.0))
     assert crop_attack(wide, radius=1.0, height=2.3) is None
+
+
+def crop_of_every_moment(attack: Attack, radius: float, height: float, start: float):
+    """First and last moment inside, of evenly spaced ones that are all looked at."""
+    begin = max(attack.start, start)
+    if attack.end < begin:
+        return None
+    times = np.linspace(begin, attack.end, int(np.ceil((attack.end - begin) * 1000)) + 2)
+    x, y, z = np.moveaxis(attack.at(times), -1, 0)
+    inside = times[((np.hypot(x, z) <= radius) & (y >= 0) & (y <= height)).any(axis=1)]
+    return (inside[0], inside[-1]) if len(inside) else None
+
+
+def wandering(rng: np.random.Generator, knots: int) -> Attack:
+    """Spheres on random lines around the character, perhaps coming and going."""
+    count = int(rng.integers(1, 4))
+    times = np.sort(rng.uniform(-0.3, 1.5, knots))
+    centres = np.cumsum(rng.normal(size=(knots, count, 3)) * rng.uniform(0, 0.6), axis=0)
+    attack = Attack(times=times, centres=centres + np.array([0, 1, 0]), radii=np.full(count, 0.1))
+    if rng.random() < 0.5:
+        return attack
+    starts, stops = np.sort(rng.integers(0, knots, (2, count)), axis=0)
+    return replace(attack, starts=times[starts], stops=times[stops])
+
+
+@pytest.mark.parametrize("knots", [1, 2, 3, 7, 60])
+def test_crop_is_that_of_every_moment(knots: int) -> None:
+    # To the last bit, however few of the moments are looked at.
+    rng = np.random.default_rng(knots)
+    found = 0
+    for _ in range(150):
+        attack = wandering(rng, knots)
+        radius, height = float(rng.choice([0.3, 1.0, 2.0])), float(rng.choice([0.5, 2.3, 50.0]))
+        start = float(rng.choice([0.0, rng.uniform(0, 1.5)]))
+        crop = crop_attack(attack, radius=radius, height=height, start=start)
+        want = crop_of_every_moment(attack, radius, height, start)
+        assert (None if crop is None else (crop.start, crop.end)) == want
+        found += want is not None
+    assert found > 20
+
+
+def test_crop_at_its_limits() -> None:
+    # Along the vertical, along the side of the cylinder, and along the floor.
+    for start, at in (((0, 3, 0), (0, 1, 0)), ((1, 1, 5), (1, 1, 0)), ((0, 0, 5), (0, 0, 0))):
+        for attack in (thrown(start, at), thrown(start, at, speed=0.8)):
+            crop = crop_attack(attack, radius=1.0, height=2.3)
+            want = crop_of_every_moment(attack, 1.0, 2.3, 0.0)
+            assert (None if crop is None else (crop.start, crop.end)) == want
+            # Beside the vertical it is at the limit for no longer than a moment.
+            assert (want is not None) or start[0] == 1

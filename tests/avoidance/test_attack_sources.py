@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mgjax.avoidance.attack import AWAY_M, Attack, ball_attack, crop_attack, validate_attack
+from mgjax.avoidance.attack import AWAY_M, Attack, ball_attack, validate_attack
 from mgjax.avoidance.attack_file import load_attack
 from mgjax.avoidance.attack_limb import limb_attack
 from mgjax.avoidance.attack_merge import merge_attacks
 from mgjax.avoidance.check import FAR, clearance, trace_motion, walk_motion
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.crop import crop_attack
 from mgjax.avoidance.selection import select
 from mgjax.avoidance.volumes import preset_spheres, sphere_centres
 from mgjax.clips.synthetic import synthetic_clips

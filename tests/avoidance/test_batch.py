@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance import choose, select_batch
-from mgjax.avoidance.attack import Attack, crop_attack
+from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.batch import NO_PART, STATUSES
 from mgjax.avoidance.candidates import enumerate_candidates, natural_times
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
+from mgjax.avoidance.crop import crop_attack
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.exact import body_of
 from mgjax.avoidance.search import Found, make_task, search
@@ -88,7 +89,7 @@ def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
             continue
         task = make_task(found, attack, crop, config, body_of(made_graph)[1])
         energy = EnergyConfig(E_avoidance=rng.uniform(0.01, 1.0), w_b=rng.uniform(0, 2))
-        traced(device, task.edges, task.length, task.part, task.problem, task.flight, energy)
+        traced(device, task.walks, task.shots, energy)
         answered += 1
 
 

@@ -6,14 +6,19 @@ import jax
 import numpy as np
 import pytest
 
+from mgjax.avoidance import certify as certify_module
 from mgjax.avoidance.attack import Attack
+from mgjax.avoidance.attack_merge import merge_attacks
 from mgjax.avoidance.bend import frame_bends, seam_bends
 from mgjax.avoidance.candidates import NO_EDGE
-from mgjax.avoidance.certify import FOLLOWING, MORE_LANES, Bounds, certify, make_flight
+from mgjax.avoidance.certify import MORE_LANES, Bounds, certify
 from mgjax.avoidance.check import CLEAR_M, EXPORT_RATE, FAR
-from mgjax.avoidance.config import SpeedConfig
-from mgjax.avoidance.device_tables import search_tables
+from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
+from mgjax.avoidance.crop import Crop
+from mgjax.avoidance.device_tables import FOLLOWING, search_tables
+from mgjax.avoidance.evaluate import Walks
 from mgjax.avoidance.exact import body_of, clearance_between
+from mgjax.avoidance.shot import SAG, Shots, make_shot
 from mgjax.avoidance.volumes import preset_spheres, sphere_centres
 from mgjax.core.kinematics import forward
 from mgjax.core.quaternion import slerp
@@ -41,16 +46,23 @@ def random_walks(graph: MotionGraph, rng: np.random.Generator, seconds: float) -
     return walks
 
 
+def shot_of(attack: Attack, reach: float) -> Shots:
+    """The crop only counts for energies."""
+    return make_shot(attack, Crop(start=0.0, end=1.0), AvoidanceConfig(), reach)
+
+
 def bounds_of(graph: MotionGraph, walks: list[Walk], attack: Attack) -> Bounds:
     _, device = search_tables(graph, graph.frame_rate, SpeedConfig())
-    edges = np.full((MORE_LANES, 48), NO_EDGE, np.int32)
-    scales = np.ones((MORE_LANES, 48), np.float32)
+    edges = np.full((48, MORE_LANES), NO_EDGE, np.int32)
+    scales = np.ones((48, MORE_LANES), np.float32)
     length = np.zeros(MORE_LANES, np.int32)
     for lane, walk in enumerate(walks):
         length[lane] = len(walk.edges)
-        edges[lane, : length[lane]], scales[lane, : length[lane]] = walk.edges, walk.scales
-    flight = make_flight(attack, body_of(graph)[1])
-    found = bound(device, edges, scales, length, flight, frame_rate=graph.frame_rate)
+        edges[: length[lane], lane], scales[: length[lane], lane] = walk.edges, walk.scales
+    table = np.concatenate([edges, [length], np.zeros((2, MORE_LANES), np.int32)])
+    lanes = Walks(table=table, shared=True)
+    shot = shot_of(attack, body_of(graph)[1])
+    found = bound(device, lanes, scales, shot, frame_rate=graph.frame_rate)
     return jax.tree.map(np.asarray, found)
 
 
@@ -68,7 +80,7 @@ def zigzag(rng: np.random.Generator) -> Attack:
     return Attack(times=times, centres=centres, radii=np.array([0.08]))
 
 
-@pytest.mark.parametrize("kind", ["straight", "falling", "slow", "zigzag"])
+@pytest.mark.parametrize("kind", ["straight", "falling", "slow", "several", "zigzag"])
 def test_the_exact_clearance_lies_within_the_bounds(any_graph: MotionGraph, kind: str) -> None:
     rng = np.random.default_rng(11)
     settled = doubted = touched = 0
@@ -77,6 +89,8 @@ def test_the_exact_clearance_lies_within_the_bounds(any_graph: MotionGraph, kind
         if kind != "zigzag":
             speed = 2.0 if kind == "slow" else 10.0
             attack = throw(rng, speed=speed, gravity=kind == "falling", arrives=0.9)
+        if kind == "several":
+            attack = merge_attacks([attack, throw(rng, arrives=1.1)])
         attack = replace(attack, centres=attack.centres + np.array([aside, 0.0, aside]))
         bounds = bounds_of(any_graph, random_walks(any_graph, rng, attack.end), attack)
         for lane in range(MORE_LANES):
@@ -123,6 +137,31 @@ def test_what_follows_the_path(made_graph: MotionGraph) -> None:
             assert made_graph.edge_frames[after] == made_graph.edge_frames[out].max()
 
 
+@pytest.mark.parametrize("kind", ["straight", "falling", "slow", "zigzag"])
+def test_looking_at_every_fourth_frame_misses_nothing(
+    any_graph: MotionGraph, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(6)
+    attacks = [zigzag(rng) for _ in range(4)]
+    if kind != "zigzag":
+        speed = 2.0 if kind == "slow" else 10.0
+        attacks = [
+            throw(rng, speed=speed, gravity=kind == "falling", arrives=0.9) for _ in range(4)
+        ]
+    walks = random_walks(any_graph, rng, 1.2)
+    seldom = [bounds_of(any_graph, walks, attack) for attack in attacks]
+    jax.clear_caches()
+    monkeypatch.setattr(certify_module, "STRIDE", 1)
+    always = [bounds_of(any_graph, walks, attack) for attack in attacks]
+    jax.clear_caches()
+    for few, all_ in zip(seldom, always, strict=True):
+        for name in ("least", "doubt_from", "touched_from"):
+            near = all_.least < 0.1
+            got, wanted = getattr(few, name)[near], getattr(all_, name)[near]
+            np.testing.assert_allclose(got, wanted, atol=1e-5, err_msg=name)
+        assert (few.least >= np.minimum(all_.least, 0.1) - 1e-5).all()
+
+
 def test_nothing_is_certain_where_it_cannot_be(made_graph: MotionGraph) -> None:
     rng = np.random.default_rng(3)
     walks = random_walks(made_graph, rng, 1.0)
@@ -163,12 +202,14 @@ def test_corners_are_paid_for() -> None:
         centres=np.array([[0.0, 1, 0], [1.0, 1, 0], [1.0, 1, 1]])[:, None],
         radii=np.array([0.1]),
     )
-    assert np.isclose(float(make_flight(attack, 1.0).sag), np.sqrt(2) / 4 / EXPORT_RATE, rtol=1e-3)
+    assert np.isclose(
+        float(shot_of(attack, 1.0).numbers[0, SAG]), np.sqrt(2) / 4 / EXPORT_RATE, rtol=1e-3
+    )
     straight = replace(attack, centres=np.array([[0.0, 1, 0], [1, 1, 0], [2, 1, 0]])[:, None])
-    assert float(make_flight(straight, 1.0).sag) == 0
+    assert float(shot_of(straight, 1.0).numbers[0, SAG]) == 0
     falling = throw(np.random.default_rng(0), gravity=True)
     wanted = falling.acceleration / EXPORT_RATE**2 / 8
-    assert np.isclose(float(make_flight(falling, 1.0).sag), wanted, rtol=1e-3)
+    assert np.isclose(float(shot_of(falling, 1.0).numbers[0, SAG]), wanted, rtol=1e-3)
 
 
 def test_bends_cover_the_arc(made_graph: MotionGraph) -> None:

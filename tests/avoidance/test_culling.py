@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance import choose, select_batch
-from mgjax.avoidance.attack import crop_attack
 from mgjax.avoidance.candidates import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.crop import crop_attack
 from mgjax.avoidance.culling import timing_of, without_culled
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.evaluate import judge

@@ -2,16 +2,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax
 import numpy as np
 import pytest
 
 from mgjax.avoidance import evaluate
-from mgjax.avoidance.attack import Attack, Crop, crop_attack
+from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.candidates import NO_EDGE, Candidates, enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
+from mgjax.avoidance.crop import Crop, crop_attack
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.energy import FAR
-from mgjax.avoidance.evaluate import evaluation_times, judge
+from mgjax.avoidance.evaluate import TIMES, judge, pad_candidates
+from mgjax.avoidance.shot import evaluated, make_shot
 from mgjax.avoidance.tables import edge_tables, speed_classes
 from mgjax.avoidance.time_scale import OK
 from mgjax.avoidance.volumes import sphere_centres
@@ -49,6 +52,10 @@ def searched(
         if 5 <= len(found.length) <= 300:
             return found, thrown, crop
     raise AssertionError("no node with candidates")
+
+
+def evaluation_times(attack: Attack, crop: Crop, config: AvoidanceConfig) -> np.ndarray:
+    return np.linspace(crop.start, crop.end, evaluated(attack, crop, config))
 
 
 def judged(
@@ -189,17 +196,20 @@ def test_padding_changes_nothing(made_graph: MotionGraph) -> None:
     assert len(judged(made_graph, many, attack, crop, config)["d"]) == 40 * len(full["d"])
 
 
-def test_padding_of_times_changes_nothing(
+def test_times_in_lots_change_nothing(
     made_graph: MotionGraph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    config = AvoidanceConfig()
+    # Five times as many evaluated as fit into one lot, or all of them in one.
+    config = AvoidanceConfig(evaluation_step_s=0.002)
     candidates, attack, crop = searched(made_graph, config, seed=2)
-    full = judged(made_graph, candidates, attack, crop, config)
-    real = evaluate.bucket_size
-    monkeypatch.setattr(evaluate, "bucket_size", lambda *given: 2 * real(*given))
-    got = judged(made_graph, candidates, attack, crop, config)
+    assert evaluated(attack, crop, config) > 4 * TIMES
+    in_lots = judged(made_graph, candidates, attack, crop, config)
+    jax.clear_caches()
+    monkeypatch.setattr(evaluate, "TIMES", 128)
+    at_once = judged(made_graph, candidates, attack, crop, config)
+    jax.clear_caches()
     for key in ("d", "d0", "penetration", "avoidance", "body", "total"):
-        np.testing.assert_allclose(full[key], got[key], atol=2e-5, err_msg=key)
+        np.testing.assert_allclose(at_once[key], in_lots[key], atol=2e-5, err_msg=key)
 
 
 def test_attacks_do_not_compile_anew(made_graph: MotionGraph) -> None:
@@ -208,13 +218,13 @@ def test_attacks_do_not_compile_anew(made_graph: MotionGraph) -> None:
     shapes = set()
     for seed in range(12):
         candidates, attack, crop = searched(made_graph, config, seed=seed)
-        problem = evaluate.make_problem(attack, crop, config)
-        shape = (*evaluate.pad_candidates(candidates)[0].shape, len(problem.times))
+        shape = pad_candidates(candidates).edges.shape
+        assert make_shot(attack, crop, config, 1.0).frames.shape == (1, 256, 3)
         before = compiled._cache_size()
         judged(made_graph, candidates, attack, crop, config)
         assert compiled._cache_size() == before or shape not in shapes
         shapes.add(shape)
-    assert len(shapes) <= 4
+    assert len(shapes) <= 3
     # Other numbers in the settings are traced, too.
     other = replace(config, energy=EnergyConfig(E_avoidance=0.7, D_body=0.1, w_b=3.0))
     before = compiled._cache_size()

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance import choice, grid_build, grid_parts
-from mgjax.avoidance.attack import Attack, Crop, ball_attack, crop_attack
+from mgjax.avoidance.attack import Attack, ball_attack
 from mgjax.avoidance.candidates import Candidates, enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.crop import Crop, crop_attack
 from mgjax.avoidance.grid_build import build_index
+from mgjax.avoidance.grid_cells import COVERED, LOWEST, SPAN
 from mgjax.avoidance.grid_index import (
     GridIndex,
     _walks,
@@ -21,6 +23,7 @@ from mgjax.avoidance.grid_index import (
     save_index,
     touched_cells,
 )
+from mgjax.avoidance.swept_cells import swept_cells
 from mgjax.avoidance.tables import EdgeTables, edge_tables
 from mgjax.avoidance.volumes import BodySpheres, preset_spheres
 from mgjax.core.errors import FileFormatError
@@ -214,6 +217,60 @@ def test_touched_cells_of_strange_balls(radius: float) -> None:
         assert (instant is None) == (radius > 1.1)
 
 
+def passing(rng: np.random.Generator, kind: str) -> tuple[Attack, Crop]:
+    """An attack past the character, and a crop of it."""
+    if kind in ("straight", "ballistic"):
+        attack = throw(rng, gravity=kind == "ballistic", height=float(rng.uniform(0.3, 1.7)))
+        crop = crop_attack(attack, radius=float(rng.uniform(0.4, 1.0)), height=2.3)
+        assert crop is not None
+        return attack, crop
+    knots, spheres = int(rng.integers(1, 30)), int(rng.integers(1, 4))
+    step = rng.normal(size=(knots, spheres, 3)) * rng.uniform(0, 0.1)
+    if kind == "along cells":  # on their faces, so that it depends on the last bit
+        step = np.round(step, 1) * rng.integers(0, 2, 3)
+    centres = np.cumsum(step, axis=0) + np.round(rng.uniform((-0.3, 0.5, -0.3), (0.3, 1.7, 0.3)), 1)
+    attack = Attack(
+        times=np.sort(rng.uniform(0, 1, knots)),
+        centres=centres,
+        radii=rng.integers(1, 6, spheres) / 20,
+        acceleration=float(rng.choice([0.0, 9.8])),
+    )
+    return attack, Crop(start=float(rng.uniform(0, 0.3)), end=float(rng.uniform(0.3, 1)))
+
+
+@pytest.mark.parametrize("kind", ["straight", "ballistic", "wandering", "along cells"])
+def test_swept_cells_are_the_touched_cells(kind: str) -> None:
+    rng = np.random.default_rng(len(kind))
+    seen = 0
+    for _ in range(60):
+        attack, crop = passing(rng, kind)
+        cells, swept = touched_cells(attack, crop), swept_cells(attack, crop)
+        if cells is None or (cells < COVERED[0]).any() or (cells >= COVERED[1]).any():
+            assert swept is None
+            continue
+        assert swept is not None
+        column = (cells[:, 0] + SPAN // 2) * SPAN + cells[:, 2] + SPAN // 2 - swept.first
+        bit = np.uint32(1) << (cells[:, 1] - LOWEST).astype(np.uint32)
+        assert (swept.perhaps()[column] & bit).all()
+        image = np.zeros_like(swept.sure)
+        np.bitwise_or.at(image, column, bit)
+        assert not (swept.sure & ~image).any()
+        around = np.unique(cells[rng.integers(len(cells), size=80)], axis=0)
+        around = np.unique(around + rng.integers(-1, 2, (len(around), 3)), axis=0)
+        around = around[((around >= COVERED[0]) & (around < COVERED[1])).all(axis=1)]
+        known = cell_set(cells)
+        assert swept.touches(around).tolist() == [tuple(c) in known for c in around.tolist()]
+        seen += 1
+    assert seen > 20
+
+
+def test_swept_cells_outside_the_covered_space() -> None:
+    # As with the cells: a centimetre of a sphere under the lowest cells or beyond the last ones.
+    for place, inside in (((0, 0.01, 0), True), ((0, -0.09, 0), False), ((12.75, 1, 0), False)):
+        attack, crop = ball(place, place, radius=0.12)
+        assert (swept_cells(attack, crop) is not None) == inside
+
+
 def expected(
     graph: MotionGraph,
     index: GridIndex,
@@ -247,11 +304,12 @@ def test_lookup_is_the_enumeration_that_touches(
         assert crop is not None
         cells = touched_cells(attack, crop)
         assert cells is not None
-        got = lookup(made_index, int(node), cells, crop.middle, 0.7003)
-        assert got is not None
-        assert got.overflow == 0
         want = expected(made_graph, made_index, int(node), cells, crop.middle, 0.7003)
-        assert pairs(got) == want  # also their order
+        for some in (cells, swept_cells(attack, crop)):
+            got = lookup(made_index, int(node), some, crop.middle, 0.7003)
+            assert got is not None
+            assert got.overflow == 0
+            assert pairs(got) == want  # also their order
         sizes.append(len(want))
     assert max(sizes) >= 5
 
@@ -280,6 +338,25 @@ def test_lookup_by_the_definition(seed: int) -> None:
             missed += walk not in got
     assert met > 5
     assert missed > 5
+
+
+@pytest.mark.parametrize("kind", ["straight", "ballistic", "wandering", "along cells"])
+def test_swept_cells_find_what_the_cells_find(made_index: GridIndex, kind: str) -> None:
+    rng = np.random.default_rng(len(kind) + 1)
+    busy = np.argsort(np.diff(made_index.node_first))[-200:]
+    found = 0
+    for _ in range(40):
+        attack, crop = passing(rng, kind)
+        cells, swept = touched_cells(attack, crop), swept_cells(attack, crop)
+        node, t_attack = int(rng.choice(busy)), float(rng.uniform(0.2, 0.9))
+        want = lookup(made_index, node, cells, t_attack, 0.7)
+        got = lookup(made_index, node, swept, t_attack, 0.7)
+        assert (got is None) == (want is None)
+        if got is not None and want is not None:
+            np.testing.assert_array_equal(got.edges, want.edges)
+            assert pairs(got) == pairs(want)
+            found += len(got.part)
+    assert found > 20
 
 
 def test_capacity_is_said_and_kept(made_graph: MotionGraph, made_index: GridIndex) -> None:

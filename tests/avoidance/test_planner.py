@@ -29,7 +29,7 @@ from mgjax.core.errors import AttackError, ConfigError
 from mgjax.core.kinematics import forward, global_positions, planar_frames
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import sample_walk
-from tests.avoidance.made import throw
+from tests.avoidance.made import throw, with_knots
 
 QUICK = AvoidanceConfig(checks=12)
 
@@ -387,7 +387,7 @@ def test_a_sphere_that_comes_and_goes(made_graph: MotionGraph) -> None:
     clock = SimulatedClock()
     planner = Planner(made_graph, clock=clock, config=QUICK, seed=1)
     clock.advance(1.0)
-    ball = world_throw(planner, np.random.default_rng(3), 1.0)
+    ball = with_knots(world_throw(planner, np.random.default_rng(3), 1.0), 200)
     # A second sphere is around the body all the time, but there only at the very beginning.
     inside = np.repeat(planner.frame().root_translation.astype(np.float64), len(ball.times), axis=0)
     for until, hit in ((ball.times[2], True), (ball.times[20], True)):
@@ -426,7 +426,7 @@ def test_a_search_that_raises_is_told_once(
 
 
 def test_what_is_left_of_an_attack() -> None:
-    attack = throw(np.random.default_rng(1), arrives=1.0)
+    attack = with_knots(throw(np.random.default_rng(1), arrives=1.0), 200)
     assert since(attack, attack.start) is attack
     now = 0.9123
     left = since(attack, now)

@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mgjax.avoidance.attack import Attack, ball_attack, crop_attack
+from mgjax.avoidance.attack import Attack, ball_attack
 from mgjax.avoidance.candidates import Candidates, enumerate_candidates
 from mgjax.avoidance.check import CLEAR_M, FAR, clearance, trace_motion, walk_motion
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
+from mgjax.avoidance.crop import crop_attack
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.evaluate import judge
 from mgjax.avoidance.follow import play_on

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance import slices_cull
-from mgjax.avoidance.attack import Attack, Crop, ball_attack, crop_attack
+from mgjax.avoidance.attack import Attack, ball_attack
 from mgjax.avoidance.candidates import NO_EDGE, Candidates, enumerate_candidates
+from mgjax.avoidance.crop import Crop, crop_attack
 from mgjax.avoidance.slices import (
     Form,
     Pictures,

@@ -7,11 +7,12 @@ import jax
 import numpy as np
 import pytest
 
-from mgjax.avoidance.attack import Attack, crop_attack
+from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.batch import NO_CANDIDATE, STATUSES
 from mgjax.avoidance.candidates import enumerate_candidates
 from mgjax.avoidance.choice import choose
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
+from mgjax.avoidance.crop import crop_attack
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.energy import Energies
 from mgjax.avoidance.evaluate import (
