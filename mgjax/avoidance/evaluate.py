@@ -41,13 +41,13 @@ from mgjax.core.padding import bucket_size
 from mgjax.core.pytree import register
 from mgjax.core.staging import stage
 
-TILE = 128
+TILE = 64
 """Candidates judged together: their volumes then stay in the cache."""
 
-SIZES = (8, 32, TILE, 4 * TILE, 32 * TILE)
+SIZES = (8, 32, 128, 512, 4096)
 """Numbers of candidates that a call is compiled for; then four times as many, …"""
 
-LONG_SIZES = (TILE, 32 * TILE)
+LONG_SIZES = (128, 4096)
 """The same for what is long, which comes seldom."""
 
 LENGTH = 40

@@ -160,7 +160,8 @@ def clearance_between(
     a, b = max(int(near[0]) - 1, 0), min(int(near[-1]) + 1, len(times) - 1)
     count = b - a + 1
     size = bucket_size(count, FRAMES, 4)
-    poses = jax.tree.map(lambda x: pad_axis(x[a : b + 1], size), poses)
+    rows = np.minimum(np.arange(a, a + size), b)  # padded by the last
+    poses = jax.tree.map(lambda x: x[rows], poses)
     moments = (2 * (first + a) + np.arange(2 * size - 1)) / CHECK_RATE
     moments = np.clip(moments, max(begin, attack.start), end)
     centres, there = attack.at(moments), attack.active(moments)

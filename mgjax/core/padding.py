@@ -24,6 +24,8 @@ def pad_axis(
     missing = size - array.shape[axis]
     if missing < 0:
         raise ValueError(f"cannot pad {array.shape[axis]} items into {size}")
+    if not missing:
+        return array
     width = [(0, 0)] * array.ndim
     width[axis] = (0, missing)
     if value is None and array.shape[axis] > 0:
