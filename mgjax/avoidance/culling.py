@@ -21,6 +21,7 @@ from mgjax.avoidance.slices_cull import cull
 from mgjax.avoidance.tables import edge_tables
 from mgjax.avoidance.time_scale import OK, Timing, time_scale
 from mgjax.core.arrays import Array
+from mgjax.core.padding import pad_axis
 from mgjax.graph.types import MotionGraph
 
 PIXELS: dict[Form, int] = {"paper": 96, "binned": 32}
@@ -81,8 +82,9 @@ def timing_of(
         np.asarray(config.energy.E_time if config.limit_scale else UNLIMITED, dtype=np.float32),
         half_frame=0.5 / graph.frame_rate,
     )
-    count, longest = candidates.edges.shape
-    return np.asarray(timing.status)[:count], np.asarray(timing.scales)[:longest, :count].T
+    count, width = candidates.edges.shape
+    scales = np.asarray(timing.scales)[:width, :count].T
+    return np.asarray(timing.status)[:count], pad_axis(scales, width, axis=1, value=1)
 
 
 @partial(jax.jit, static_argnames="half_frame")

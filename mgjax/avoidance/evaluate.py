@@ -341,13 +341,13 @@ _judge = jax.jit(judge_all, static_argnames=("half_frame", "limit_scale"))
 
 def pad_candidates(candidates: Candidates, *, long: bool = False) -> Walks:
     """Candidates padded to few sizes; to larger ones if their attack is ``long``."""
-    count, longest = candidates.edges.shape
+    count, longest = len(candidates.length), int(candidates.length.max(initial=1))
     sizes = LONG_SIZES if long else SIZES
     size = next((s for s in sizes if count <= s), 0) or bucket_size(count, sizes[-1], 4)
     edges = bucket_size(max(longest, LENGTH + 1 if long else 0), LENGTH, 4)
     walks = empty_walks(edges, size, shared=True)
     table = walks.table
-    table[:longest, :count] = candidates.edges.T
+    table[:longest, :count] = candidates.edges[:, :longest].T
     table[-3, :count], table[-2, :count] = candidates.length, candidates.part
     return walks
 

@@ -177,4 +177,4 @@ def make_task(
 def is_long(candidates: Candidates, attack: Attack) -> bool:
     """Whether walks have so many edges, or an attack so many frames, that both are padded more."""
     first, last = frames_of(attack)
-    return candidates.edges.shape[1] > LENGTH or last - first + 1 > FRAMES
+    return int(candidates.length.max(initial=1)) > LENGTH or last - first + 1 > FRAMES
