@@ -46,10 +46,10 @@ STATUSES = ("avoided", "hit", "no_candidate")
 AVOIDED, HIT, NO_CANDIDATE = 0, 1, 2
 NO_PART = -1
 
-TOGETHER = 1024
+TOGETHER = 2048
 """Candidates of one call, of as many attacks as have room."""
 
-MOST = 32
+MOST = 64
 """Attacks of one call."""
 
 AHEAD = 4

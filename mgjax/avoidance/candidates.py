@@ -96,25 +96,6 @@ def enumerate_candidates(
     return _walks(found, came_from, via, chosen, overflow)
 
 
-def without(candidates: Candidates, known: Candidates) -> Candidates:
-    """The candidates that are not among some that are known already."""
-    width = max(candidates.edges.shape[1], known.edges.shape[1])
-
-    def keys(some: Candidates) -> np.ndarray:
-        rows = np.full((len(some.length), width + 1), NO_EDGE)
-        rows[:, : some.edges.shape[1]] = some.edges
-        rows[:, -1] = some.part
-        return rows.view(np.dtype((np.void, rows.dtype.itemsize * (width + 1)))).ravel()
-
-    new = ~np.isin(keys(candidates), keys(known))
-    return Candidates(
-        edges=candidates.edges[new],
-        length=candidates.length[new],
-        part=candidates.part[new],
-        overflow=candidates.overflow,
-    )
-
-
 def natural_times(tables: EdgeTables, candidates: Candidates) -> Float[np.ndarray, " C"]:
     """t_avoid of each candidate at natural speed, s from the beginning of its walk."""
     column = np.arange(candidates.edges.shape[1])

@@ -4,16 +4,25 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+from jaxtyping import Int
+
 from mgjax.avoidance.answer import Choice, Dropped
 from mgjax.avoidance.attack import Attack
-from mgjax.avoidance.candidates import Candidates, enumerate_candidates, without
+from mgjax.avoidance.candidates import Candidates, enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.crop import Crop, crop_attack
 from mgjax.avoidance.culling import without_culled
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.exact import body_of
 from mgjax.avoidance.follow import idle
-from mgjax.avoidance.grid_index import GridIndex, lookup
+from mgjax.avoidance.grid_index import (
+    GridIndex,
+    lookup,
+    paths_in_time,
+    touched_paths,
+    walks_of,
+)
 from mgjax.avoidance.search import make_task, on_device, search_one
 from mgjax.avoidance.settle import Settled, better_of, settle
 from mgjax.avoidance.swept_cells import swept_cells
@@ -33,8 +42,9 @@ def choose(
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
     The same as :func:`mgjax.avoidance.selection.select` without making the motion. With an
-    ``index`` the candidates are looked up (§5.1); where it holds none, or cannot say, and where
-    none of them is clear, they are enumerated.
+    ``index`` those whose avoidance volume the attack touches are looked up (§5.1); where none of
+    them is clear, the others that are in time follow. Where the index cannot say, all are
+    enumerated.
     """
     validate_config(config)
     tables, _ = search_tables(graph, config.body_rate, config.speed)
@@ -42,22 +52,36 @@ def choose(
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     if crop is None:
         return _nothing(graph, node, attack, config, seed)
-    looked_up = None if index is None else lookup_candidates(index, node, attack, crop, config)
-    before = None
-    if looked_up is not None:
-        before = best_of(graph, node, attack, crop, looked_up, config)
-        if before.choice is not None and before.choice.status == "avoided":
-            return before.choice
-    every = enumerate_candidates(
-        graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
-    )
-    others = every if looked_up is None else without(every, looked_up)
+    known = None if index is None else _known(index, node, crop, config)
+    before, others = None, None
+    if index is not None and known is not None:
+        cells = swept_cells(attack, crop)
+        touched = np.zeros(len(known), bool)
+        if cells is not None:
+            touched = touched_paths(index, known, cells)
+            looked_up = walks_of(index, known[touched])
+            before = best_of(graph, node, attack, crop, looked_up, config)
+            if before.choice is not None and before.choice.status == "avoided":
+                return before.choice
+        others = walks_of(index, known[~touched])
+    if others is None:
+        others = enumerate_candidates(
+            graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
+        )
     settled = best_of(graph, node, attack, crop, others, config)
     if before is not None:
         settled = better_of(settled, before)
     choice = settled.choice or _nothing(graph, node, attack, config, seed)
-    total = len(every.length) + every.overflow
+    total = len(others.length) + others.overflow if known is None else len(known)
     return replace(choice, candidates=total, dropped=settled.dropped, crop=crop)
+
+
+def _known(
+    index: GridIndex, node: int, crop: Crop, config: AvoidanceConfig
+) -> Int[np.ndarray, " C"] | None:
+    """The paths of the index that satisfy eq. 1; None if it cannot say, or if they are too many."""
+    paths = paths_in_time(index, node, crop.middle, config.T_window)
+    return None if paths is None or len(paths) > config.capacity else paths
 
 
 def _nothing(

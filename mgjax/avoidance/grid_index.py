@@ -149,21 +149,28 @@ def lookup(
     """
     if cells is None or (isinstance(cells, np.ndarray) and _outside(cells)):
         return None
+    paths = paths_in_time(index, node, t_attack, window)
+    return None if paths is None else walks_of(index, paths[touched_paths(index, paths, cells)])
+
+
+def paths_in_time(
+    index: GridIndex, node: int, t_attack: float, window: float
+) -> Int[np.ndarray, " C"] | None:
+    """All paths of a node with t_avoid in the window (eq. 1); None where the index cannot say."""
     low, high = t_attack - window / 2, t_attack + window / 2
     if high > index.horizon or high * index.half_frames > index.node_limit.item(node) + 1:
         return None
     first, stop = index.node_first[node], index.node_first[node + 1]
     time = index.time[first:stop] / index.half_frames
-    paths = ((time > low) & (time < high)).nonzero()[0] + first
-    if paths.size:
-        paths = paths[_touched(index, paths, cells)]
-    return _walks(index, paths)
+    return ((time > low) & (time < high)).nonzero()[0] + first
 
 
-def _touched(
+def touched_paths(
     index: GridIndex, paths: Int[np.ndarray, " C"], cells: SweptCells | Int[np.ndarray, "M 3"]
 ) -> Bool[np.ndarray, " C"]:
-    """Which paths have a cell that is touched."""
+    """Which paths of a node have a cell that is touched."""
+    if not paths.size:
+        return np.zeros(0, bool)
     touched = np.zeros(len(paths), bool)
     if isinstance(cells, np.ndarray):
         rows, columns, masks = _columns(index, paths)
@@ -220,7 +227,7 @@ def _cells(
     return which, np.stack([x - SPAN // 2, bit + LOWEST, z - SPAN // 2], axis=1)
 
 
-def _walks(index: GridIndex, paths: Int[np.ndarray, " C"]) -> Candidates:
+def walks_of(index: GridIndex, paths: Int[np.ndarray, " C"]) -> Candidates:
     """The paths as walks."""
     length = index.length[paths].astype(np.int64)
     part = index.part[paths].astype(np.int64)

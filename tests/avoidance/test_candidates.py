@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance import candidates as module
-from mgjax.avoidance.candidates import NO_EDGE, Candidates, enumerate_candidates, without
+from mgjax.avoidance.candidates import NO_EDGE, Candidates, enumerate_candidates
 from mgjax.avoidance.tables import edge_tables
 from mgjax.graph.types import MotionGraph
 from tests.avoidance.made import make_graph, random_graph
@@ -134,24 +134,3 @@ def test_a_long_time_ahead_is_bounded(real_graph: MotionGraph) -> None:
     got = found_by(real_graph, 0, 6.0, capacity=100)
     assert len(got.length) == 100
     assert got.overflow > 1000
-
-
-def test_without_those_known() -> None:
-    graph = random_graph(4)
-    tables = edge_tables(graph, 30.0)
-    every = enumerate_candidates(graph, tables, 0, 1.0, window=1.5, capacity=500)
-    assert len(every.length) > 6
-    known = Candidates(
-        edges=every.edges[::2, : int(every.length[::2].max())],
-        length=every.length[::2],
-        part=every.part[::2],
-        overflow=0,
-    )
-    rest = without(every, known)
-    np.testing.assert_array_equal(rest.edges, every.edges[1::2])
-    np.testing.assert_array_equal(rest.part, every.part[1::2])
-    assert len(without(every, every).length) == 0
-    nothing = Candidates(
-        edges=every.edges[:0], length=every.length[:0], part=every.part[:0], overflow=0
-    )
-    assert len(without(every, nothing).length) == len(every.length)

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,14 +16,16 @@ from mgjax.avoidance.grid_build import build_index
 from mgjax.avoidance.grid_cells import COVERED, LOWEST, SPAN
 from mgjax.avoidance.grid_index import (
     GridIndex,
-    _walks,
     cells_of,
     load_index,
     lookup,
+    paths_in_time,
     paths_per_cell,
     save_index,
     touched_cells,
+    walks_of,
 )
+from mgjax.avoidance.settle import Settled
 from mgjax.avoidance.swept_cells import swept_cells
 from mgjax.avoidance.tables import EdgeTables, edge_tables
 from mgjax.avoidance.volumes import BodySpheres, preset_spheres
@@ -44,7 +47,7 @@ def made_index(made_graph: MotionGraph) -> GridIndex:
 def all_of(index: GridIndex, node: int) -> Candidates:
     """Every path of a node as a walk, whether or not it has cells."""
     paths = np.arange(index.node_first[node], index.node_first[node + 1])
-    return _walks(index, paths)
+    return walks_of(index, paths)
 
 
 def pairs(candidates: Candidates) -> list[tuple[tuple[int, ...], int]]:
@@ -452,22 +455,53 @@ def test_the_choice_is_as_good_with_the_index(
     made_graph: MotionGraph, made_index: GridIndex, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rng = np.random.default_rng(4)
-    enumerated: list[int] = []
-    real = choice.enumerate_candidates
-    monkeypatch.setattr(
-        choice, "enumerate_candidates", lambda *a, **k: enumerated.append(1) or real(*a, **k)
-    )
-    avoided = 0
+    judged: list[int] = []
+    real = choice.best_of
+
+    def best_of(*given: Any) -> Settled:
+        judged.append(len(given[4].length))
+        return real(*given)
+
+    monkeypatch.setattr(choice, "best_of", best_of)
+    monkeypatch.setattr(choice, "enumerate_candidates", None)  # the index holds them all
+    looked_up = rest = 0
     for node in rng.integers(made_graph.num_nodes, size=24):
         at = np.array([0.0, rng.uniform(0.5, 1.7), 0.0])
         side = rng.uniform(0, 2 * np.pi)
         start = at + 3 * np.array([np.sin(side), 0, np.cos(side)])
         attack = ball_attack(start, at, speed=10.0, arrives=SHORT_S - 0.6)
         config = AvoidanceConfig(checks=8)
-        plain = choice.choose(made_graph, int(node), attack, config=config)
-        enumerated.clear()
+        with monkeypatch.context() as plainly:
+            plainly.setattr(choice, "enumerate_candidates", enumerate_candidates)
+            plain = choice.choose(made_graph, int(node), attack, config=config)
+        judged.clear()
         quick = choice.choose(made_graph, int(node), attack, config=config, index=made_index)
-        # What is looked up is a part of what is enumerated, and the rest is the fallback.
-        assert quick.status == "avoided" or plain.status != "avoided"
-        avoided += quick.status == "avoided" and not enumerated
-    assert avoided  # by candidates that were looked up
+        assert (quick.status == "avoided") == (plain.status == "avoided")
+        if quick.status == "avoided" and len(judged) == 1:
+            looked_up += 1
+            continue
+        # The rest follows: together they are all.
+        assert quick.candidates == plain.candidates == sum(judged)
+        rest += judged[-1]
+    assert looked_up
+    assert rest
+
+
+def test_all_in_time_are_those_that_are_enumerated(
+    made_graph: MotionGraph, made_index: GridIndex
+) -> None:
+    tables = edge_tables(made_graph, RATE)
+    rng = np.random.default_rng(9)
+    count = 0
+    for _ in range(60):
+        node, window = int(rng.integers(made_graph.num_nodes)), rng.uniform(0.2, 0.8)
+        middle = rng.uniform(0.2, SHORT_S - window / 2)
+        wanted = enumerate_candidates(
+            made_graph, tables, node, middle, window=window, capacity=10**6
+        )
+        paths = paths_in_time(made_index, node, middle, window)
+        assert paths is not None
+        assert pairs(walks_of(made_index, paths)) == pairs(wanted)
+        count += len(paths)
+    assert count > 10
+    assert paths_in_time(made_index, 0, SHORT_S, 0.1) is None
