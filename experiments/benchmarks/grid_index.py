@@ -18,7 +18,8 @@ from mgjax.avoidance.candidates import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.crop import crop_attack
 from mgjax.avoidance.grid_build import build_index
-from mgjax.avoidance.grid_index import GridIndex, lookup, paths_per_cell, touched_cells
+from mgjax.avoidance.grid_index import GridIndex, lookup, paths_per_cell
+from mgjax.avoidance.swept_cells import swept_cells
 from mgjax.avoidance.tables import EdgeTables, edge_tables
 from mgjax.core.compilation import enable_cache
 from mgjax.graph.files import load_graph
@@ -77,7 +78,7 @@ def lookup_row(
         crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
         assert crop is not None
         clock = [time.perf_counter()]
-        cells = touched_cells(attack, crop)
+        cells = swept_cells(attack, crop)
         clock.append(time.perf_counter())
         candidates = lookup(index, node, cells, crop.middle, config.T_window)
         clock.append(time.perf_counter())

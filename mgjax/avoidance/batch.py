@@ -20,7 +20,6 @@ from mgjax.avoidance.check import CLEAR_M
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.crop import Crop, crop_attack
 from mgjax.avoidance.device_tables import search_tables
-from mgjax.avoidance.evaluate import LENGTH, empty_walks, pad_candidates
 from mgjax.avoidance.exact import body_of
 from mgjax.avoidance.search import (
     DEPTH,
@@ -36,6 +35,7 @@ from mgjax.avoidance.settle import settle
 from mgjax.avoidance.shot import Shots, make_shot
 from mgjax.avoidance.time_scale import OK
 from mgjax.avoidance.validate import validate_config, validate_start
+from mgjax.avoidance.walks import LENGTH, empty_walks, pad_candidates
 from mgjax.core.errors import ConfigError
 from mgjax.core.padding import bucket_size
 from mgjax.graph.types import MotionGraph

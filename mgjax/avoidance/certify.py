@@ -26,7 +26,6 @@ from mgjax.avoidance.body_reader import (
 from mgjax.avoidance.candidates import NO_EDGE
 from mgjax.avoidance.check import CLEAR_M, EXPORT_RATE, FAR
 from mgjax.avoidance.device_tables import FOLLOWERS, FOLLOWING, DeviceTables
-from mgjax.avoidance.evaluate import Walks
 from mgjax.avoidance.shot import (
     FRAME_COUNT,
     MARGIN,
@@ -39,6 +38,7 @@ from mgjax.avoidance.shot import (
     places_at_frames,
     presence,
 )
+from mgjax.avoidance.walks import Walks
 from mgjax.core.arrays import Array
 from mgjax.core.pytree import register
 from mgjax.core.staging import stage

@@ -15,11 +15,12 @@ from mgjax.avoidance.candidates import Candidates
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.crop import Crop
 from mgjax.avoidance.device_tables import PART_CENTRE, DeviceTables, search_tables
-from mgjax.avoidance.evaluate import UNLIMITED, Walks, pad_candidates
+from mgjax.avoidance.evaluate import UNLIMITED
 from mgjax.avoidance.slices import Form, Slices, build_slices
 from mgjax.avoidance.slices_cull import cull
 from mgjax.avoidance.tables import edge_tables
 from mgjax.avoidance.time_scale import OK, Timing, time_scale
+from mgjax.avoidance.walks import Walks, pad_candidates
 from mgjax.core.arrays import Array
 from mgjax.core.padding import pad_axis
 from mgjax.graph.types import MotionGraph

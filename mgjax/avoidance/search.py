@@ -15,17 +15,10 @@ from mgjax.avoidance.certify import LANES, Bounds, certify
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
 from mgjax.avoidance.crop import Crop
 from mgjax.avoidance.device_tables import DeviceTables
-from mgjax.avoidance.evaluate import (
-    LENGTH,
-    Judged,
-    Walks,
-    by_name,
-    judge_all,
-    pad_candidates,
-    ranking,
-)
+from mgjax.avoidance.evaluate import Judged, by_name, judge_all, ranking
 from mgjax.avoidance.shot import FRAMES, Shots, frames_of, make_shot
 from mgjax.avoidance.time_scale import OK
+from mgjax.avoidance.walks import LENGTH, Walks, pad_candidates
 from mgjax.core.arrays import Array
 from mgjax.core.pytree import register
 

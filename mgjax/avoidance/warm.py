@@ -10,12 +10,12 @@ from mgjax.avoidance.certify import MORE_LANES
 from mgjax.avoidance.check import EXPORT_RATE
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.device_tables import search_tables
-from mgjax.avoidance.evaluate import LENGTH, LONG_SIZES, SIZES, empty_walks
 from mgjax.avoidance.exact import FRAMES as CHECKED_FRAMES
 from mgjax.avoidance.exact import Poses, body_of, nearest_of
 from mgjax.avoidance.search import bound, on_device, search_one
 from mgjax.avoidance.shot import FRAMES, SPHERES, empty_shot
 from mgjax.avoidance.validate import validate_config
+from mgjax.avoidance.walks import LENGTH, LONG_SIZES, SIZES, empty_walks
 from mgjax.graph.types import MotionGraph
 
 

@@ -16,10 +16,10 @@ from mgjax.avoidance.check import CLEAR_M, EXPORT_RATE, FAR
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
 from mgjax.avoidance.crop import Crop
 from mgjax.avoidance.device_tables import FOLLOWING, search_tables
-from mgjax.avoidance.evaluate import Walks
 from mgjax.avoidance.exact import body_of, clearance_between
 from mgjax.avoidance.shot import SAG, Shots, make_shot
 from mgjax.avoidance.volumes import preset_spheres, sphere_centres
+from mgjax.avoidance.walks import Walks
 from mgjax.core.kinematics import forward
 from mgjax.core.quaternion import slerp
 from mgjax.graph.types import MotionGraph

@@ -6,18 +6,20 @@ import jax
 import numpy as np
 import pytest
 
-from mgjax.avoidance import evaluate
+from mgjax.avoidance import evaluate, over_time
 from mgjax.avoidance.attack import Attack
 from mgjax.avoidance.candidates import NO_EDGE, Candidates, enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
 from mgjax.avoidance.crop import Crop, crop_attack
 from mgjax.avoidance.device_tables import search_tables
 from mgjax.avoidance.energy import FAR
-from mgjax.avoidance.evaluate import TIMES, judge, pad_candidates
+from mgjax.avoidance.evaluate import judge
+from mgjax.avoidance.over_time import TIMES
 from mgjax.avoidance.shot import evaluated, make_shot
 from mgjax.avoidance.tables import edge_tables, speed_classes
 from mgjax.avoidance.time_scale import OK
 from mgjax.avoidance.volumes import sphere_centres
+from mgjax.avoidance.walks import pad_candidates
 from mgjax.core.kinematics import global_positions
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk, sample_walk
@@ -205,7 +207,7 @@ def test_times_in_lots_change_nothing(
     assert evaluated(attack, crop, config) > 4 * TIMES
     in_lots = judged(made_graph, candidates, attack, crop, config)
     jax.clear_caches()
-    monkeypatch.setattr(evaluate, "TIMES", 128)
+    monkeypatch.setattr(over_time, "TIMES", 128)
     at_once = judged(made_graph, candidates, attack, crop, config)
     jax.clear_caches()
     for key in ("d", "d0", "penetration", "avoidance", "body", "total"):

@@ -204,7 +204,8 @@ def test_every_experiment(name, run_at_smoke_size):
     module = importlib.import_module(name)
     assert module.Config.__dataclass_params__.frozen
     text = inspect.getsource(module)
-    assert 'if __name__ == "__main__":\n    experiment(run, Config)' in text
+    assert text.rstrip().endswith("    experiment(run, Config)")
+    assert 'if __name__ == "__main__":\n' in text
     record = run_at_smoke_size(name)
     _, room, script = name.split(".")
     assert record["experiment"] == f"{room}/{script}"
