@@ -87,6 +87,25 @@ class Attack:
             out = np.where(gone[..., None], away, out)
         return out
 
+    def held(self, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, "T I 3"]:
+        """Centres as :meth:`at` has them, but each sphere held where it appears and vanishes."""
+        if self.starts is None and self.stops is None:
+            return self.at(times)
+        low = np.full(len(self.radii), self.start) if self.starts is None else self.starts
+        high = np.full(len(self.radii), self.end) if self.stops is None else self.stops
+        out = np.empty((len(times), len(self.radii), 3))
+        for k in range(len(self.radii)):
+            alive = np.clip(times, low[k], high[k])
+            for axis in range(3):
+                out[:, k, axis] = np.interp(alive, self.times, self.centres[:, k, axis])
+        return out
+
+    def lives(self, times: Float[np.ndarray, " T"]) -> Bool[np.ndarray, "V I"]:
+        """Whether each sphere is there at any moment between two times."""
+        starts = np.full(len(self.radii), self.start) if self.starts is None else self.starts
+        stops = np.full(len(self.radii), self.end) if self.stops is None else self.stops
+        return (times[1:, None] >= starts) & (times[:-1, None] <= stops)
+
     def active(self, times: Float[np.ndarray, " T"]) -> Bool[np.ndarray, "T I"]:
         """Whether each sphere is there; between two moments if it is at both."""
         starts = np.full(len(self.radii), self.start) if self.starts is None else self.starts

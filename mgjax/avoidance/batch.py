@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import jax
 import numpy as np
@@ -316,6 +316,7 @@ def _settle(
     q = question
     walks = pad_candidates(q.candidates, long=is_long(q.candidates, q.attack))
     task = Task(walks=walks, shots=q.shots)
+    found = replace(found, scales=found.scales[: len(walks.edges)])  # padded for the whole group
     choice = settle(graph, q.node, q.attack, q.crop, q.candidates, task, found, config).choice
     assert choice is not None
     assert choice.energy is not None

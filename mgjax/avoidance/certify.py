@@ -34,6 +34,7 @@ from mgjax.avoidance.shot import (
     SPHERE_COUNT,
     Shots,
     frame_times,
+    lives,
     places,
     places_at_frames,
     presence,
@@ -168,26 +169,24 @@ def _near(
     speed = shots.number(SPEED) + tables.root_speed / slowest
     away = (stride // 2) / EXPORT_RATE * speed + (SEAM_M if stride > 1 else 0.0)
     reach = (shots.number(MARGIN) + away)[None, :, None] + shots.spheres[None, :, 0]
-    born, gone = shots.spheres[None, :, 1, 0], shots.spheres[None, :, 2, 0]
+    born, gone = shots.spheres[None, :, 1], shots.spheres[None, :, 2]
 
     def lot(k: Array, known: tuple[Array, Array]) -> tuple[Array, Array]:
         index = (k * FRAMES + jnp.arange(FRAMES, dtype=jnp.int32))[:, None] * stride
         index = jnp.minimum(jnp.broadcast_to(index, (FRAMES, lanes)), frames - 1)
         times = frame_times(shots, index)
         x, y, z = root_at(tables, find(tables, laid, times))
+        span = 1.01 * stride / EXPORT_RATE
+        alive = (times[..., None] >= born - span) & (times[..., None] <= gone + span)
         if stride > 1:
-            span = 1.01 * stride / EXPORT_RATE
-            there = ((times >= born - span) & (times <= gone + span))[..., None]
-            centres = places(shots, jnp.clip(times, born, gone))
+            centres = places(shots, jnp.clip(times, born[..., 0], gone[..., 0]))
         else:
-            # An interval counts from both of its ends.
-            there = presence(shots, frame_times(shots, jnp.maximum(index - 1, 0)))
-            there = there | presence(shots, jnp.minimum(times + 1 / EXPORT_RATE, times + 1))
-            there = there | presence(shots, times)
             centres = places_at_frames(shots, index)
         dx, dy, dz = (centres[..., k::3] - axis[..., None] for k, axis in enumerate((x, y, z)))
         gap = jnp.sqrt(dx * dx + dy * dy + dz * dz)
-        near = jnp.any((gap <= reach) & there, axis=-1)
+        # Nothing is certain after the end of a walk, wherever the attack is then.
+        over = (times > laid.stop[None] - span)[..., None]
+        near = jnp.any(((gap <= reach) | over) & alive, axis=-1)
         first, last = known
         low = jnp.min(jnp.where(near, index - stride // 2, frames), axis=0)
         high = jnp.max(jnp.where(near, index + stride // 2, -1), axis=0)
@@ -221,20 +220,23 @@ def _over_frames(
         times = frame_times(shots, index)
         where = find(tables, laid, times)
         centres = places_at_frames(shots, index)
-        gap = _gaps(tables, spheres_at(tables, where), shots, times, centres) - sag
-        gap = jnp.where(inside, gap, FAR)
+        body = spheres_at(tables, where)
+        gap, surely = (
+            jnp.where(inside, found - sag, FAR)
+            for found in _gaps(tables, body, shots, times, centres)
+        )
         bend = bends_at(tables, where)
         doubt = _BENDS * jnp.maximum(bend[1:], bend[:-1]) + ROUNDING_M
         doubt = jnp.where(quick[None] | (times[1:] > laid.stop[None]), FAR, doubt)
-        active = gap < FAR / 2
-        least = jnp.where(active, gap - doubt, FAR)
-        most = gap + 2 * sag + doubt
+        least = jnp.where(gap < FAR / 2, gap - doubt, FAR)
+        most = surely + 2 * sag + doubt
+        touched = (surely < FAR / 2) & (most < CLEAR_M)
         begin = times[:-1]
         found = (
-            gap,
+            surely,
             least,
             jnp.where(least < CLEAR_M, begin, FAR),
-            jnp.where(active & (most < CLEAR_M), begin, FAR),
+            jnp.where(touched, begin, FAR),
         )
         return tuple(
             jnp.minimum(old, jnp.min(new, axis=0)) for old, new in zip(known, found, strict=True)
@@ -251,14 +253,15 @@ def _gaps(
     shots: Shots,
     times: Float[Array, "W K"],
     centres: Float[Array, "W K D"],
-) -> Float[Array, "V K"]:
-    """Least swept distance in each interval of the times; ``FAR`` where no sphere is there."""
+) -> tuple[Float[Array, "V K"], Float[Array, "V K"]]:
+    """Least swept distance in each interval of the times: of spheres that are there at any moment
+    of it, and of those that are there throughout; ``FAR`` where none is."""
     slots = shots.sphere_slots
     there = presence(shots, times)
-    there = there[1:] & there[:-1]
+    throughout, partly = there[1:] & there[:-1], lives(shots, times)
     apart = jnp.moveaxis(centres.reshape(*centres.shape[:2], slots, 3), (2, 3), (0, 1))
 
-    def one(sphere: Array, radius: Array, present: Array) -> Array:
+    def one(sphere: Array, radius: Array) -> Array:
         relative = [sphere[k][..., None] - body[k] for k in range(3)]
         begin = [r[:-1] for r in relative]
         move = [r[1:] - r[:-1] for r in relative]
@@ -266,16 +269,20 @@ def _gaps(
         share = -sum(b * m for b, m in zip(begin, move, strict=True))
         share = jnp.clip(share / jnp.maximum(along, 1e-20), 0.0, 1.0)
         square = sum((b + share * m) ** 2 for b, m in zip(begin, move, strict=True))
-        near = jnp.min(jnp.sqrt(square) - tables.radii[None, None], axis=-1) - radius[None]
-        return jnp.where(present, near, FAR)
+        return jnp.min(jnp.sqrt(square) - tables.radii[None, None], axis=-1) - radius[None]
+
+    def masked(near: Array, partly: Array, throughout: Array) -> tuple[Array, Array]:
+        return jnp.where(partly, near, FAR), jnp.where(throughout, near, FAR)
 
     radii = shots.spheres[:, 0]
     if slots == 1:
-        return one(apart[0], radii[:, 0], there[..., 0])
+        return masked(one(apart[0], radii[:, 0]), partly[..., 0], throughout[..., 0])
 
-    def step(k: Array, least: Array) -> Array:
-        return jnp.minimum(least, one(apart[k], radii[:, k], there[..., k]))
+    def step(k: Array, least: tuple[Array, Array]) -> tuple[Array, Array]:
+        near = one(apart[k], radii[:, k])
+        found = masked(near, partly[..., k], throughout[..., k])
+        return jnp.minimum(least[0], found[0]), jnp.minimum(least[1], found[1])
 
     count = jnp.max(shots.number(SPHERE_COUNT)).astype(jnp.int32)
     far = jnp.full((times.shape[0] - 1, times.shape[1]), FAR, jnp.float32)
-    return jax.lax.fori_loop(0, count, step, far)
+    return jax.lax.fori_loop(0, count, step, (far, far))

@@ -154,7 +154,7 @@ def ranking(judged: Judged, owner: Int[Array, " C"] | None = None) -> Int[Array,
     first.
     """
     d = judged.energies.d
-    value = jnp.where(d < 0, -d, judged.total) + 0.0
+    value = jnp.abs(jnp.where(d < 0, d, judged.total))  # also of a zero with a sign
     # Numbers that are not negative are in the order of their bits.
     bits = jax.lax.bitcast_convert_type(value, jnp.uint32)
     key = jnp.where(d < 0, bits | jnp.uint32(1 << 31), bits)

@@ -150,7 +150,7 @@ def clearance_between(
     last = max(int(np.ceil(end * CHECK_RATE / 2)), first + 1)
     times = np.arange(first, last + 1) * 2 / CHECK_RATE
     poses, root = _read_walk(graph, walk, times)
-    far = attack.at(np.clip(times, attack.start, attack.end)) - root[:, None]
+    far = attack.held(np.clip(times, attack.start, attack.end)) - root[:, None]
     gap = np.linalg.norm(far, axis=-1) - attack.radii[None, :] - reach
     # Between two frames an attack moves on by at most half its step from the nearer one.
     step = attack.largest_speed / CHECK_RATE
@@ -164,8 +164,7 @@ def clearance_between(
     poses = jax.tree.map(lambda x: x[rows], poses)
     moments = (2 * (first + a) + np.arange(2 * size - 1)) / CHECK_RATE
     moments = np.clip(moments, max(begin, attack.start), end)
-    centres, there = attack.at(moments), attack.active(moments)
-    absent = ~(there[:-1] & there[1:])
+    centres, absent = attack.held(moments), ~attack.lives(moments)
     absent[2 * count - 2 :] = True
     slots = bucket_size(len(attack.radii), SPHERES, 8)
     nearest = nearest_of(
@@ -175,7 +174,9 @@ def clearance_between(
         pad_axis(attack.radii.astype(np.float32), slots),
         pad_axis(absent.astype(np.float32), slots, axis=1, value=1),
     )
-    sag = attack.acceleration / CHECK_RATE**2 / 4
+    apart = float((attack.times[1:] - attack.times[:-1]).max(initial=0.0))
+    between = apart**2 / 8 if apart > 1 / CHECK_RATE else 0.0
+    sag = attack.acceleration * (1 / CHECK_RATE**2 / 4 + between)
     return min(float(nearest) - sag, FAR)
 
 

@@ -112,9 +112,12 @@ def make_shot(
     size = bucket_size(max(count, FRAMES + 1 if long else 0), FRAMES, 32)
     frames = np.empty((1, size, 3 * slots), np.float32)
     frames[0, :, 3 * spheres :] = 0
-    for k, column in enumerate(attack.centres.reshape(len(attack.times), -1).T):
-        frames[0, :count, k] = np.interp(times, attack.times, column)
-        frames[0, count:, k] = column[-1]
+    if attack.starts is None and attack.stops is None:
+        for k, column in enumerate(attack.centres.reshape(len(attack.times), -1).T):
+            frames[0, :count, k] = np.interp(times, attack.times, column)
+    else:
+        frames[0, :count, : 3 * spheres] = _lived(attack, times).reshape(count, -1)
+    frames[0, count:] = frames[0, count - 1]
     numbers = np.full((1, _NUMBERS + 3 * slots), _ABSENT_S, np.float32)
     speed = attack.largest_speed
     numbers[0, :_NUMBERS] = (
@@ -128,7 +131,7 @@ def make_shot(
         first,
         count,
         reach + speed * step + 0.1,
-        (attack.acceleration + _kinks(attack, step)) * step**2 / 8,
+        _sag(attack, step),
         speed,
     )
     life = numbers[0, _NUMBERS:].reshape(3, slots)
@@ -148,6 +151,37 @@ def evaluated(attack: Attack, crop: Crop, config: AvoidanceConfig) -> int:
     return max(math.ceil((crop.end - crop.start) / step) + 1, 2)
 
 
+def _lived(attack: Attack, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, "T I 3"]:
+    """Centres at frames; at the last frame before a sphere's life, and the first after it, where it
+    would be if it had moved on straight, so that between frames it is where it is."""
+    frames = attack.held(times)
+    for k in range(len(attack.radii)):
+        begin = attack.start if attack.starts is None else float(attack.starts[k])
+        end = attack.end if attack.stops is None else float(attack.stops[k])
+        inner = np.flatnonzero((times > begin) & (times < end))
+        for moment, outside, inside in (
+            (begin, int(times.searchsorted(begin)) - 1, inner[0] if inner.size else None),
+            (end, int(times.searchsorted(end, "right")), inner[-1] if inner.size else None),
+        ):
+            if not 0 <= outside < len(times):
+                continue
+            other = (end if moment == begin else begin) if inside is None else times[inside]
+            if other == moment:
+                continue
+            at, there = attack.held(np.array([moment, other]))[:, k]
+            frames[outside, k] = at + (there - at) * ((times[outside] - moment) / (other - moment))
+    return frames
+
+
+def _sag(attack: Attack, step: float) -> float:
+    """How far spheres stray from straight lines over ``step`` s, m."""
+    sag = (attack.acceleration + _kinks(attack, step)) * step**2 / 8
+    if attack.acceleration and len(attack.times) > 1:
+        apart = float((attack.times[1:] - attack.times[:-1]).max())
+        sag += attack.acceleration * apart**2 / 8 if apart > step else 0.0
+    return sag
+
+
 def _kinks(attack: Attack, step: float) -> float:
     """Acceleration whose bend over ``step`` covers the corners at an attack's knots, m/s².
 
@@ -160,7 +194,8 @@ def _kinks(attack: Attack, step: float) -> float:
     span = times[1:] - times[:-1]
     velocity = (attack.centres[1:] - attack.centres[:-1]) / span[:, None, None]
     turns = velocity[1:] - velocity[:-1]
-    smooth = (1.01 * 0.5 * attack.acceleration) * (span[1:] + span[:-1]) + 1e-6
+    near = np.minimum(span, step)
+    smooth = (1.01 * 0.5 * attack.acceleration) * (near[1:] + near[:-1]) + 1e-6
     excess = np.sqrt(np.einsum("tik,tik->ti", turns, turns)) - smooth[:, None]
     if excess.max() <= 0:
         return 0.0
@@ -209,6 +244,13 @@ def presence(shots: Shots, times: Float[Array, "T A"]) -> Bool[Array, "T A I"]:
     slack = _ROUNDING_S + 1e-6 * jnp.abs(times[..., None])
     after = times[..., None] >= shots.spheres[None, :, 1] - slack
     return after & (times[..., None] <= shots.spheres[None, :, 2] + slack)
+
+
+def lives(shots: Shots, times: Float[Array, "T A"]) -> Bool[Array, "V A I"]:
+    """Whether each sphere of each attack is there at any moment between two times."""
+    slack = _ROUNDING_S + 1e-6 * jnp.abs(times[..., None])
+    born, gone = shots.spheres[None, :, 1], shots.spheres[None, :, 2]
+    return (times[1:, ..., None] >= born - slack[1:]) & (times[:-1, ..., None] <= gone + slack[:-1])
 
 
 def evaluation_times(shots: Shots, index: Int[Array, " T"]) -> Float[Array, "T A"]:

@@ -50,7 +50,7 @@ def warm_up(
     shapes = ((LENGTH, FRAMES, SIZES), (4 * LENGTH, 32 * FRAMES, LONG_SIZES))
     for length, known, sizes in shapes:
         for shot in (empty_shot(known, slot) for slot in slots):
-            for size in (s for s in sizes if s < 4 * config.capacity):
+            for size in (s for k, s in enumerate(sizes) if not k or sizes[k - 1] < config.capacity):
                 walks = empty_walks(length, size, shared=True)
                 limit = config.limit_scale
                 search_one(device, walks, shot, energy, frame_rate=rate, limit_scale=limit)

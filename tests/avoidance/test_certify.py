@@ -244,3 +244,38 @@ def test_bends_over_a_seam() -> None:
     same = seam_bends(graph, np.array([edge]), np.array([edge]))
     assert same.shape == (1,)
     assert np.isfinite(same).all()
+
+
+def test_after_the_end_of_a_walk_nothing_is_certain(made_graph: MotionGraph) -> None:
+    # A sphere that lasts for longer than the walk and what follows it, far from its last pose.
+    rng = np.random.default_rng(8)
+    walks = random_walks(made_graph, rng, 0.5)
+    times = np.array([0.0, 30.0])
+    away = Attack(times=times, centres=np.full((2, 1, 3), 9.0), radii=np.array([0.1]))
+    lanes = bounds_of(made_graph, walks, away)
+    assert (lanes.least < CLEAR_M).all()
+    assert (lanes.touched_from == FAR).all()
+    brief = replace(away, times=np.array([0.0, 0.4]))
+    assert (bounds_of(made_graph, walks, brief).least > 1.0).all()
+
+
+@pytest.mark.parametrize("stop", [0.5013, 0.5031, 0.7])
+def test_a_sphere_that_lives_between_two_frames(made_graph: MotionGraph, stop: float) -> None:
+    # It appears inside the body between two frames of the written motion, perhaps vanishing there.
+    rng = np.random.default_rng(9)
+    walks = random_walks(made_graph, rng, 1.0)
+    times = np.array([0.0, 0.501, stop, 1.0])
+    centres = np.tile(np.array([[[5.0, 1.0, 0.0], [0.0, 0.9, 0.0]]]), (4, 1, 1))
+    attack = Attack(
+        times=times,
+        centres=centres,
+        radii=np.array([0.1, 3.0]),
+        starts=np.array([0.0, 0.501]),
+        stops=np.array([1.0, stop]),
+    )
+    lanes = bounds_of(made_graph, walks, attack)
+    for lane, walk in enumerate(walks):
+        exact = clearance_between(made_graph, attack, whole_walk(lanes, lane), 0.0, attack.end)
+        if np.abs(walk.starts(made_graph)[-1]) > 0.6:
+            assert exact < CLEAR_M
+            assert lanes.least[lane] < CLEAR_M

@@ -57,10 +57,10 @@ def test_frames_are_those_of_the_attack(kind: str) -> None:
     inner = times[1:-1] * EXPORT_RATE
     np.testing.assert_allclose(inner, np.round(inner), atol=1e-3)
     spheres = len(attack.radii)
-    raw = replace(attack, starts=None, stops=None)
+    there = attack.active(times)
     for got in (places_at_frames(shot, index), places(shot, times[:, None].astype(np.float32))):
         got = np.asarray(got)[:, 0].reshape(count, -1, 3)[:, :spheres]
-        np.testing.assert_allclose(got, raw.at(times), atol=2e-5)
+        np.testing.assert_allclose(got[there], attack.at(times)[there], atol=2e-5)
     got = np.asarray(presence(shot, times[:, None].astype(np.float32)))[:, 0]
     assert not got[:, spheres:].any()
     # At its first and last moment rounding decides.
@@ -109,3 +109,16 @@ def test_corners_outside_a_life_cost_nothing() -> None:
     assert shot_of(attack).number(SAG)[0] > 0.01
     born = replace(attack, starts=np.array([0.5]), stops=np.array([1.0]))
     assert shot_of(born).number(SAG)[0] == 0
+
+
+def test_a_life_that_begins_between_two_frames() -> None:
+    # Where it is between its first moment and the next frame, however far its knots before are.
+    times = np.array([0.0, 1.0037, 1.3051, 2.0])
+    centres = np.array([[0.0, 900, 0], [0.0, 1.2, 1.0], [0.6, 1.2, 1.0], [0.0, -900, 0]])[:, None]
+    attack = Attack(times=times, centres=centres, radii=np.array([0.1]))
+    attack = replace(attack, starts=np.array([1.0037]), stops=np.array([1.3051]))
+    shot = shot_of(attack)
+    moments = np.linspace(1.0038, 1.305, 300)
+    got = np.asarray(places(shot, moments[:, None].astype(np.float32)))[:, 0]
+    np.testing.assert_allclose(got, attack.at(moments)[:, 0], atol=2e-5)
+    assert np.asarray(presence(shot, moments[:, None].astype(np.float32))).all()
