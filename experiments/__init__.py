@@ -2,5 +2,5 @@
 
 import os
 
-# Set before jax is imported: see mgjax.core.compilation.
+# Set before jax is imported: see mgjax.core.xla.compilation.
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")

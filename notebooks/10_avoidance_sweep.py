@@ -34,10 +34,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from mgjax.avoidance import EnergyConfig, ball_attack
-from mgjax.avoidance.batch import AVOIDED
-from mgjax.avoidance.sweep import sweep_energies
+from mgjax.avoidance.many.attacks import AVOIDED
+from mgjax.avoidance.many.settings import sweep_energies
 from mgjax.clips.synthetic import synthetic_clips
-from mgjax.core.compilation import enable_cache
+from mgjax.core.xla.compilation import enable_cache
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.files import load_graph

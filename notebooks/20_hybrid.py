@@ -27,13 +27,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from mgjax.clips.synthetic import synthetic_clips
-from mgjax.core.compilation import enable_cache
 from mgjax.core.kinematics import global_positions
+from mgjax.core.xla.compilation import enable_cache
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.files import load_graph
 from mgjax.hybrid import PathConfig, fabrik, follow, make_sketch, make_target, reach
-from mgjax.runs.plot_walk import distances, hands_above, top_view
+from mgjax.pictures.walk import distances, hands_above, top_view
 
 enable_cache()
 if os.environ.get("MGJAX_NOTEBOOK_SMOKE"):  # the tests run it small

@@ -28,11 +28,11 @@ import numpy as np
 
 from mgjax.ballsport import AnalysisConfig, BallPhysics, Matcher, aim, analyse, build_clip_set, fly
 from mgjax.ballsport.config import ClipSetConfig
-from mgjax.ballsport.hits import hit_joint, mark
-from mgjax.ballsport.scene import build_scene
-from mgjax.ballsport.scene_config import Pass, Player, SceneConfig
-from mgjax.core.compilation import enable_cache
-from mgjax.runs.plot_scene_ball import scene_figure
+from mgjax.ballsport.hits.detect import hit_joint, mark
+from mgjax.ballsport.scene.build import build_scene
+from mgjax.ballsport.scene.config import Pass, Player, SceneConfig
+from mgjax.core.xla.compilation import enable_cache
+from mgjax.pictures.scene import scene_figure
 
 enable_cache()
 if os.environ.get("MGJAX_NOTEBOOK_SMOKE"):  # the tests run it small

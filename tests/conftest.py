@@ -25,9 +25,9 @@ import jax
 import numpy as np
 import pytest
 
-from mgjax.core.compilation import enable_cache
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
+from mgjax.core.xla.compilation import enable_cache
 
 enable_cache()
 jax.config.update("jax_numpy_rank_promotion", "raise")

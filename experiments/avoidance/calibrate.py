@@ -20,15 +20,16 @@ import numpy as np
 
 from experiments.avoidance.graphs import graph_of
 from experiments.avoidance.throws import percentiles
-from mgjax.avoidance.attack import Attack, ball_attack
-from mgjax.avoidance.candidates import enumerate_candidates
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.crop import crop_attack
+from mgjax.avoidance.body.device_tables import search_tables
+from mgjax.avoidance.body.edge_tables import edge_tables
+from mgjax.avoidance.candidates.enumerate import enumerate_candidates
+from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
-from mgjax.avoidance.crop import crop_attack
-from mgjax.avoidance.device_tables import search_tables
-from mgjax.avoidance.evaluate import judge
-from mgjax.avoidance.selection import select
-from mgjax.avoidance.tables import edge_tables
-from mgjax.avoidance.time_scale import OK
+from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
 from mgjax.runs.experiment import Results, experiment

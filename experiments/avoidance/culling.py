@@ -27,10 +27,10 @@ from experiments.avoidance.culling_measure import (
 from experiments.avoidance.culling_plot import errors_figure, slices_figure, times_figure
 from experiments.avoidance.graphs import graph_of
 from experiments.avoidance.throws import standard_throws
+from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.device_tables import search_tables
-from mgjax.avoidance.slices import Form, Slices, build_slices, picture_bytes
-from mgjax.avoidance.slices_draw import PIXEL_M
+from mgjax.avoidance.culling.pictures import Form, Slices, build_slices, picture_bytes
+from mgjax.avoidance.culling.rasterise import PIXEL_M
 from mgjax.runs.experiment import Results, experiment
 
 

@@ -11,21 +11,21 @@ from typing import Any
 import numpy as np
 
 from experiments.avoidance.throws import Throws
-from mgjax.avoidance.attack import Attack
-from mgjax.avoidance.candidates import Candidates, enumerate_candidates
-from mgjax.avoidance.check import CLEAR_M
-from mgjax.avoidance.choice import best_of
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.crop import Crop, crop_attack
+from mgjax.avoidance.body.device_tables import search_tables
+from mgjax.avoidance.body.edge_tables import EdgeTables
+from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
+from mgjax.avoidance.choice.choosing import best_of
+from mgjax.avoidance.choice.continuation import play_on
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.crop import Crop, crop_attack
-from mgjax.avoidance.culling import timing_of
-from mgjax.avoidance.device_tables import search_tables
-from mgjax.avoidance.evaluate import judge
-from mgjax.avoidance.follow import play_on
-from mgjax.avoidance.slices import Form, Slices
-from mgjax.avoidance.slices_cull import cull, overlap_pixels
-from mgjax.avoidance.slices_draw import draw_attack
-from mgjax.avoidance.tables import EdgeTables
-from mgjax.avoidance.time_scale import OK
+from mgjax.avoidance.culling.candidates import timing_of
+from mgjax.avoidance.culling.cull import cull, overlap_pixels
+from mgjax.avoidance.culling.pictures import Form, Slices
+from mgjax.avoidance.culling.rasterise import draw_attack
+from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.rates import CLEAR_M
+from mgjax.avoidance.timing.time_scale import OK
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import make_walk
 

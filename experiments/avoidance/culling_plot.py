@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from mgjax.avoidance.slices import Slices, unpack
-from mgjax.avoidance.slices_draw import LAYER_M, LAYERS, PIXEL_M
+from mgjax.avoidance.culling.pictures import Slices, unpack
+from mgjax.avoidance.culling.rasterise import LAYER_M, LAYERS, PIXEL_M
 
 COLOURS = {"paper": "#c0392b", "binned": "#2a7f4f", "none": "#9aa0a6"}
 NAMES = {"paper": "whole edges (paper)", "binned": "0.1 s of motion", "none": "no culling"}

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from experiments.avoidance.throws import OUTCOMES, Throws, percentiles, summary
-from mgjax.avoidance.batch import STATUSES
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
-from mgjax.avoidance.sweep import Swept, sweep_energies
+from mgjax.avoidance.many.attacks import STATUSES
+from mgjax.avoidance.many.settings import Swept, sweep_energies
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
 

@@ -13,14 +13,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.avoidance.graphs import graph_of
+from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.device_tables import search_tables
-from mgjax.avoidance.grid_build import build_index
-from mgjax.avoidance.grid_index import FILE_NAME, GridIndex, load_index
-from mgjax.core.compilation import one_thread
+from mgjax.avoidance.index.build import build_index
+from mgjax.avoidance.index.index import FILE_NAME, GridIndex, load_index
+from mgjax.bench.selection import MANY, condition_rows, random_balls
+from mgjax.core.xla.compilation import one_thread
 from mgjax.graph.types import MotionGraph
 from mgjax.runs.experiment import Results, experiment
-from mgjax.runs.selection_rows import MANY, condition_rows, random_balls
 
 PAPER_MS = {(True, True): 14.0, (False, True): 225.0, (True, False): 18.0, (False, False): 496.0}
 """Index and slices → milliseconds."""

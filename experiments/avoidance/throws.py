@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.avoidance.attack import Attack, ball_attack
-from mgjax.avoidance.candidates import Candidates, enumerate_candidates
-from mgjax.avoidance.check import CLEAR_M, clearance, trace_motion, walk_motion
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.crop import crop_attack
+from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
+from mgjax.avoidance.body.spheres import preset_spheres
+from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
+from mgjax.avoidance.checks.written import clearance, trace_motion, walk_motion
+from mgjax.avoidance.choice.selection import Selection, select
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.crop import crop_attack
-from mgjax.avoidance.selection import Selection, select
-from mgjax.avoidance.tables import EdgeTables, edge_tables
-from mgjax.avoidance.volumes import preset_spheres
+from mgjax.avoidance.rates import CLEAR_M
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import make_walk

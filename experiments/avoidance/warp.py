@@ -17,11 +17,11 @@ import numpy as np
 from experiments.avoidance.graphs import graph_of
 from experiments.avoidance.throws import Throws, arriving_in, at_speed, standard_throws
 from experiments.avoidance.warp_plot import changes_figure, profiles_figure
-from mgjax.avoidance.check import EXPORT_RATE
-from mgjax.avoidance.choice import choose
+from mgjax.avoidance.choice.choosing import choose
+from mgjax.avoidance.choice.selection import both_timings, write
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.selection import both_timings, write
-from mgjax.avoidance.warp import part_moments, speed_change
+from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.avoidance.timing.time_warp import part_moments, speed_change
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
 from mgjax.runs.experiment import Results, experiment

@@ -22,13 +22,13 @@ import numpy as np
 from experiments.ballsport.aim_checks import Passes, checked, random_passes
 from experiments.ballsport.aim_plot import convergence_figure, frames_figure, success_figure
 from mgjax.ballsport import BallPhysics, aim, aim_batch, choose_frame, fly
-from mgjax.ballsport.aim_guess import guess_launch
-from mgjax.ballsport.aim_task import Launch, flight_arcs, make_task
-from mgjax.ballsport.aim_update import SECOND, differential_updates
-from mgjax.ballsport.flight import contact_time
+from mgjax.ballsport.aiming.problem import Launch, flight_arcs, make_task
+from mgjax.ballsport.aiming.scan import guess_launch
+from mgjax.ballsport.aiming.updates import SECOND, differential_updates
+from mgjax.ballsport.ball.flight import contact_time
+from mgjax.bench.timing import interleaved
 from mgjax.core.arrays import Array
 from mgjax.runs.experiment import Results, experiment
-from mgjax.runs.timing import interleaved
 
 PEER_S = {0: 0.0074, 1: 0.050}
 """MuJoCo 4.0.0 with SciPy's conjugate gradients, one ball, by bounces, s."""

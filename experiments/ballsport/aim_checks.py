@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from mgjax.ballsport.aim_solve import Aim
-from mgjax.ballsport.ball import BallPhysics
+from mgjax.ballsport.aiming.solve import Aim
+from mgjax.ballsport.ball.physics import BallPhysics
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -26,8 +26,8 @@ from experiments.ballsport.kicks import (
     embedded_kicks,
     without_t_pose,
 )
-from mgjax.ballsport.analysis import BoneHit, LiveAnalysis, analyse
 from mgjax.ballsport.config import FEET, AnalysisConfig
+from mgjax.ballsport.hits.bones import BoneHit, LiveAnalysis, analyse
 from mgjax.clips.types import Clip
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import resample

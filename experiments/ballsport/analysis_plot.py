@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.ballsport.kicks import Kick
-from mgjax.ballsport.analysis import BoneHit
 from mgjax.ballsport.config import FEET, AnalysisConfig
-from mgjax.ballsport.hits import hit_joint, links, mark
+from mgjax.ballsport.hits.bones import BoneHit
+from mgjax.ballsport.hits.detect import hit_joint, links, mark
 from mgjax.clips.types import Clip
 
 HIGH, FAST, BALL, MOTION, LINK, LABEL = (

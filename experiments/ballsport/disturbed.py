@@ -8,10 +8,10 @@ from functools import partial
 
 import numpy as np
 
-from mgjax.ballsport.analysis import BoneHit, analyse
-from mgjax.ballsport.clip_set import ClipSet
+from mgjax.ballsport.clipset.build import ClipSet
 from mgjax.ballsport.config import FEET, AnalysisConfig
-from mgjax.ballsport.key_poses import MotionVectors, stack
+from mgjax.ballsport.hits.bones import BoneHit, analyse
+from mgjax.ballsport.hits.motion_vectors import MotionVectors, stack
 
 NEAR_S = 0.1
 Disturbance = Callable[[np.ndarray], np.ndarray]

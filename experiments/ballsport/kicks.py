@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from mgjax.clips.folder import load_clips
+from mgjax.clips.oddities import first_clean_frame
 from mgjax.clips.synthetic_kicks import synthetic_kicks
 from mgjax.clips.types import Clip
 from mgjax.core.kinematics import global_positions, joint_velocities
 from mgjax.core.motion import cut
-from mgjax.io.oddities import first_clean_frame
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,13 +21,13 @@ from experiments.ballsport.disturbed import Found, disturbances, find_again
 from experiments.ballsport.kicks import captured
 from experiments.ballsport.matching_plot import confusion_figure, transition_figure
 from experiments.ballsport.seams import seams
-from mgjax.ballsport.clip_set import ClipSet, build_clip_set
+from mgjax.ballsport.clipset.build import ClipSet, build_clip_set
+from mgjax.ballsport.clipset.match import StoredHits, distances, match_weights, nearest, store
+from mgjax.ballsport.clipset.transition import find_transitions
 from mgjax.ballsport.config import FEET, KINDS, AnalysisConfig, ClipSetConfig, MatchConfig
-from mgjax.ballsport.key_poses import MotionVectors, scaled
-from mgjax.ballsport.match import StoredHits, distances, match_weights, nearest, store
-from mgjax.ballsport.transition import find_transitions
+from mgjax.ballsport.hits.motion_vectors import MotionVectors, scaled
+from mgjax.bench.timing import interleaved
 from mgjax.runs.experiment import Results, experiment
-from mgjax.runs.timing import interleaved
 
 _all_distances = jax.jit(jax.vmap(distances, (0, None, None)))
 

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from mgjax.ballsport.scene import Scene, build_scene, prepare_scene
-from mgjax.ballsport.scene_config import Pass, Player, SceneConfig
-from mgjax.ballsport.scene_report import scene_json
+from mgjax.ballsport.scene.build import Scene, build_scene, prepare_scene
+from mgjax.ballsport.scene.config import Pass, Player, SceneConfig
+from mgjax.ballsport.scene.report import scene_json
+from mgjax.pictures.scene import scene_figure
 from mgjax.runs.experiment import Results, experiment
-from mgjax.runs.plot_scene_ball import scene_figure
 
 NAMES = ("Ana", "Ben", "Cem", "Dia", "Eli", "Fay", "Gus", "Hao")
 KEPT = ("time_warp", "kick_change", "speed_ratio", "angle_deg", "flight_s", "link_distance_m")

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.ballsport.clip_set import ClipSet
-from mgjax.ballsport.joining import join
-from mgjax.ballsport.transition import TransitionTable
+from mgjax.ballsport.clipset.build import ClipSet
+from mgjax.ballsport.clipset.joining import join
+from mgjax.ballsport.clipset.transition import TransitionTable
 from mgjax.core.kinematics import global_positions
 
 

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from mgjax.avoidance.config import EnergyConfig
-from mgjax.avoidance.energy import energies_batch
+from mgjax.avoidance.energy.energies import energies_batch
 
 CANDIDATES, TIMES, SPHERES, ROUNDS = 1000, 40, 24, 40
 

@@ -13,15 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.avoidance.attack import Attack, ball_attack
-from mgjax.avoidance.candidates import enumerate_candidates
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.crop import crop_attack
+from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
+from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.crop import crop_attack
-from mgjax.avoidance.grid_build import build_index
-from mgjax.avoidance.grid_index import GridIndex, lookup, paths_per_cell
-from mgjax.avoidance.swept_cells import swept_cells
-from mgjax.avoidance.tables import EdgeTables, edge_tables
-from mgjax.core.compilation import enable_cache
+from mgjax.avoidance.index.build import build_index
+from mgjax.avoidance.index.index import GridIndex, lookup, paths_per_cell
+from mgjax.avoidance.index.swept_cells import swept_cells
+from mgjax.core.xla.compilation import enable_cache
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import MotionGraph
 

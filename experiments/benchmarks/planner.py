@@ -20,15 +20,16 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.avoidance.attack import Attack, ball_attack
-from mgjax.avoidance.choice import choose
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.transform import moved
+from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.joint import moved
-from mgjax.avoidance.planner import Planner
-from mgjax.avoidance.playback import SimulatedClock, SimulatedSearches, ThreadSearches, WallClock
+from mgjax.avoidance.play.clocks import SimulatedClock, SimulatedSearches, ThreadSearches, WallClock
+from mgjax.avoidance.play.planner import Planner
 from mgjax.core import planar
-from mgjax.core.compilation import one_thread
 from mgjax.core.motion import Motion
+from mgjax.core.xla.compilation import one_thread
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import MotionGraph
 
@@ -147,7 +148,7 @@ def play(
     """Asks for frames in real time, ``rate`` a second, and reports the longest gap between two.
 
     Args:
-        frame: gives the pose of now, such as :meth:`mgjax.avoidance.planner.Planner.frame`.
+        frame: gives the pose of now, such as :meth:`mgjax.avoidance.play.planner.Planner.frame`.
         seconds: how long.
         rate: frames per second.
         before_frame: called before each frame with the seconds since the run began; may throw.

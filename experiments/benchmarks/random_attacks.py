@@ -22,15 +22,17 @@ import numpy as np
 from tqdm import tqdm
 
 from experiments.avoidance.graphs import graph_of
-from mgjax.avoidance.attack import Attack, ball_attack
-from mgjax.avoidance.attack_merge import merge_attacks
-from mgjax.avoidance.check import CLEAR_M, clearance, trace_motion, walk_motion
-from mgjax.avoidance.choice import choose
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.merge import merge_attacks
+from mgjax.avoidance.body.spheres import preset_spheres
+from mgjax.avoidance.checks.written import clearance, trace_motion, walk_motion
+from mgjax.avoidance.choice.choosing import choose
+from mgjax.avoidance.choice.compile_ahead import warm_up
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.volumes import preset_spheres
-from mgjax.avoidance.warm import warm_up
-from mgjax.core.compilation import one_thread
+from mgjax.avoidance.rates import CLEAR_M
 from mgjax.core.errors import AttackError
+from mgjax.core.xla.compilation import one_thread
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import make_walk
 from mgjax.runs.experiment import Results, experiment

@@ -31,10 +31,10 @@ from mgjax.core.kinematics import forward, planar_frames
 from mgjax.core.motion import Motion
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
+from mgjax.graph.plants import foot_slide, planted_frames
 from mgjax.graph.types import NO_CLIP, MotionGraph
-from mgjax.hybrid.path_config import PathConfig
-from mgjax.hybrid.path_feet import foot_slide, planted_frames
-from mgjax.hybrid.path_search import follow
+from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.paths.search import follow
 from mgjax.runs.experiment import Results, experiment
 
 PAPER_S = 40.0

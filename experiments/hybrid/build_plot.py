@@ -15,16 +15,16 @@ from mgjax.graph.config import GraphConfig
 from mgjax.graph.distance import distance_matrix
 from mgjax.graph.minima import find_minima
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.path_beam import run_beam
-from mgjax.hybrid.path_config import PathConfig
-from mgjax.hybrid.path_curve import make_curve
-from mgjax.hybrid.path_exact import branch_and_bound
-from mgjax.hybrid.path_extend import make_request
-from mgjax.hybrid.path_front import NO_RECORD, Search
-from mgjax.hybrid.path_result import PathResult, lay_out
-from mgjax.hybrid.path_sketch import Sketch
-from mgjax.hybrid.path_tables import stride_tables
-from mgjax.runs.plot_walk import top_view
+from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.paths.beam import run_beam
+from mgjax.hybrid.paths.branch_and_bound import branch_and_bound
+from mgjax.hybrid.paths.curve import make_curve
+from mgjax.hybrid.paths.frontier import NO_RECORD, Search
+from mgjax.hybrid.paths.kernel import make_request
+from mgjax.hybrid.paths.macro_edges import stride_tables
+from mgjax.hybrid.paths.result import PathResult, lay_out
+from mgjax.hybrid.paths.sketch import Sketch
+from mgjax.pictures.walk import top_view
 
 
 def error_figure(pair: tuple[Clip, Clip], config: GraphConfig) -> Figure:

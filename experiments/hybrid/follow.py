@@ -17,11 +17,11 @@ from matplotlib.figure import Figure
 
 from experiments.hybrid.shapes import graph_of, sketches
 from mgjax.graph.types import NO_CLIP, MotionGraph
-from mgjax.hybrid.path_config import PathConfig
-from mgjax.hybrid.path_result import PathResult
-from mgjax.hybrid.path_search import follow
+from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.paths.result import PathResult
+from mgjax.hybrid.paths.search import follow
+from mgjax.pictures.walk import played_edges, top_view
 from mgjax.runs.experiment import Results, experiment
-from mgjax.runs.plot_walk import played_edges, top_view
 
 METHODS = ("beam", "exact")
 PEER_S = (0.035, 0.30)

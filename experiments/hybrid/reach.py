@@ -23,17 +23,16 @@ from experiments.hybrid.reach_plot import grid_place, strip, success_map
 from experiments.hybrid.shapes import graph_of, sketches
 from mgjax.core.kinematics import forward, global_positions
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.fabrik_chain import fabrik
-from mgjax.hybrid.limb_pose import reach_pose
-from mgjax.hybrid.limbs import find_limb
-from mgjax.hybrid.path_config import PathConfig
-from mgjax.hybrid.path_search import follow
-from mgjax.hybrid.path_sketch import make_sketch
-from mgjax.hybrid.reach_config import ReachConfig
-from mgjax.hybrid.reach_limits import reach_limits
-from mgjax.hybrid.reach_result import ReachResult
-from mgjax.hybrid.reach_targets import make_target
-from mgjax.hybrid.reach_walk import reach
+from mgjax.hybrid.body.limb_limits import reach_limits
+from mgjax.hybrid.config import PathConfig, ReachConfig
+from mgjax.hybrid.ik.chain import fabrik
+from mgjax.hybrid.ik.limbs import find_limb
+from mgjax.hybrid.ik.pose import reach_pose
+from mgjax.hybrid.paths.search import follow
+from mgjax.hybrid.paths.sketch import make_sketch
+from mgjax.hybrid.reaching.result import ReachResult
+from mgjax.hybrid.reaching.targets import make_target
+from mgjax.hybrid.reaching.walk import reach
 from mgjax.runs.experiment import Results, experiment
 
 PEERS_US = {

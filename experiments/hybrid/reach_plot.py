@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from mgjax.core import planar
 from mgjax.core.kinematics import global_positions
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.limbs import find_limb
-from mgjax.hybrid.path_curve import make_curve
-from mgjax.hybrid.path_sketch import Sketch
-from mgjax.hybrid.reach_body import body_of
-from mgjax.hybrid.reach_result import ReachResult
+from mgjax.hybrid.body.capsules import body_of
+from mgjax.hybrid.ik.limbs import find_limb
+from mgjax.hybrid.paths.curve import make_curve
+from mgjax.hybrid.paths.sketch import Sketch
+from mgjax.hybrid.reaching.result import ReachResult
 
 DIRECT, EXTENDED, MISSED = "#27ae60", "#2e86c1", "#c0392b"
 LEFT, RIGHT, CORE = "#5d8fc4", "#d98a4e", "#8a8f98"

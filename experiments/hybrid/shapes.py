@@ -14,7 +14,7 @@ from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.path_sketch import Sketch, make_sketch
+from mgjax.hybrid.paths.sketch import Sketch, make_sketch
 
 EMBEDDED = ("walk", "walk_curve", "steps", "turns")
 EMBEDDED_M = 0.05

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
+from weakref import WeakValueDictionary
+
+from mgjax.core.errors import ConfigError
 
 Number: TypeAlias = Any
 """A Python float, or a jax scalar: settings that are traced, so that sweeps and gradients go
@@ -97,3 +101,55 @@ class AvoidanceConfig:
     settle_s: float = 0.2
     warp: Literal["smooth", "linear"] = "smooth"
     culling: Literal["none", "paper", "binned"] = "none"
+
+
+_RANGES: dict[str, tuple[float, float]] = {
+    "T_window": (1e-3, 10.0),
+    "crop_radius_m": (1e-3, 100.0),
+    "crop_height_m": (1e-3, 100.0),
+    "body_rate": (1.0, 1000.0),
+    "evaluation_step_s": (1e-3, 1.0),
+    "settle_s": (0.0, 10.0),
+    "capacity": (1, 1_000_000),
+    "checks": (1, 1_000_000),
+    "energy.E_avoidance": (1e-9, 1e9),
+    "energy.D_body": (1e-9, 1e9),
+    "energy.E_time": (1.0, 1e6),
+    "energy.w_a": (0.0, 1e9),
+    "energy.w_b": (0.0, 1e9),
+    "energy.w_t": (0.0, 1e9),
+    "speed.V_fast": (0.0, math.inf),
+    "speed.V_slow": (0.0, math.inf),
+    "speed.V_still": (0.0, math.inf),
+}
+"""Smallest and largest value of each setting that is a number."""
+
+_IN_RANGE: WeakValueDictionary[int, AvoidanceConfig] = WeakValueDictionary()
+"""Settings that were found in range, by identity: equal ones may differ in type (1 and True), and
+traced ones cannot be compared."""
+
+
+def validate_config(config: AvoidanceConfig) -> None:
+    """Raises :class:`ConfigError` naming the first setting that is out of range."""
+    if _IN_RANGE.get(id(config)) is config:
+        return
+    for key, (low, high) in _RANGES.items():
+        part, _, name = key.rpartition(".")
+        value = getattr(getattr(config, part) if part else config, name)
+        try:
+            ok = not isinstance(value, bool | str) and low <= float(value) <= high
+        except (TypeError, ValueError):
+            ok = False
+        if not ok:
+            top = f" … {high:g}" if high < math.inf else " or more"
+            raise ConfigError(f"got {key} = {value!r}, expected {low:g}{top}")
+    for key, value, known in (
+        ("energy.form", config.energy.form, ("overlap", "paper")),
+        ("energy.d0", config.energy.d0, ("clamped", "paper")),
+        ("warp", config.warp, ("smooth", "linear")),
+    ):
+        if value not in known:
+            raise ConfigError(f"got {key} = {value!r}, expected {' or '.join(known)}")
+    if config.culling not in ("none", "paper", "binned"):
+        raise ConfigError(f"got culling = {config.culling!r}, expected none, paper or binned")
+    _IN_RANGE[id(config)] = config

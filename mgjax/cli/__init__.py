@@ -10,7 +10,7 @@ from typing import Annotated
 
 import tyro
 
-from mgjax.cli.commands import Avoid, Bench, Build, Coverage, Demo, Info, Scene, Sensor, Walk
+from mgjax.cli.arguments import Avoid, Bench, Build, Coverage, Demo, Info, Scene, Sensor, Walk
 
 Command = (
     Annotated[Info, tyro.conf.subcommand("info")]
@@ -34,8 +34,8 @@ def main(arguments: list[str] | None = None) -> int:
         args=arguments,
         config=(tyro.conf.FlagCreatePairsOff, tyro.conf.HelptextFromCommentsOff),
     )
-    from mgjax.core.compilation import enable_cache
     from mgjax.core.errors import MgjaxError
+    from mgjax.core.xla.compilation import enable_cache
 
     enable_cache()
     try:

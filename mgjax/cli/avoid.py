@@ -8,21 +8,22 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.avoidance.attack import Attack, ball_attack
-from mgjax.avoidance.check import EXPORT_RATE
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.body.spheres import preset_spheres
+from mgjax.avoidance.choice.selection import Selection, both_timings, select
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.selection import Selection, both_timings, select
-from mgjax.avoidance.volumes import preset_spheres
-from mgjax.avoidance.warp import natural_starts, part_moments, speed_change
-from mgjax.cli.commands import Avoid
+from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.avoidance.timing.time_warp import natural_starts, part_moments, speed_change
+from mgjax.cli.arguments import Avoid
 from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import NO_CLIP, MotionGraph
 from mgjax.io.bvh_write import save_bvh
 from mgjax.io.output import output_folder
-from mgjax.runs.config import load_config
-from mgjax.runs.plot import Throw, scene_picture
+from mgjax.io.toml_file import load_config
+from mgjax.pictures.throws import Throw, scene_picture
 
 
 def run(command: Avoid) -> None:

@@ -6,10 +6,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from mgjax.cli.commands import Bench
+from mgjax.cli.arguments import Bench
 from mgjax.cli.report import emit, to_json
-from mgjax.core.compilation import one_thread
 from mgjax.core.errors import ConfigError
+from mgjax.core.xla.compilation import one_thread
 from mgjax.io.output import output_folder
 
 
@@ -23,7 +23,7 @@ def run(command: Bench) -> None:
 
 
 def _kernels(command: Bench) -> tuple[dict[str, Any], list[str]]:
-    from mgjax.runs.benchmarks import build_rows, distance_rows
+    from mgjax.bench.graph import build_rows, distance_rows
 
     rows = distance_rows() if command.what == "distance" else build_rows()
     lines = [
@@ -37,11 +37,11 @@ def _kernels(command: Bench) -> tuple[dict[str, Any], list[str]]:
 
 
 def _selection(command: Bench) -> tuple[dict[str, Any], list[str]]:
-    from mgjax.avoidance.grid_build import build_index
-    from mgjax.avoidance.grid_index import FILE_NAME, load_index
-    from mgjax.avoidance.tables import edge_tables
+    from mgjax.avoidance.body.edge_tables import edge_tables
+    from mgjax.avoidance.index.build import build_index
+    from mgjax.avoidance.index.index import FILE_NAME, load_index
+    from mgjax.bench.selection import selection_rows
     from mgjax.graph.files import load_graph
-    from mgjax.runs.selection_rows import selection_rows
 
     one_thread()
     if command.graph is None:

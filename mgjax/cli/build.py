@@ -7,10 +7,10 @@ import time
 from dataclasses import replace
 from typing import Any
 
-from mgjax.avoidance.grid_build import build_index
-from mgjax.avoidance.grid_index import save_index
-from mgjax.avoidance.tables import edge_tables
-from mgjax.cli.commands import Build
+from mgjax.avoidance.body.edge_tables import edge_tables
+from mgjax.avoidance.index.build import build_index
+from mgjax.avoidance.index.index import save_index
+from mgjax.cli.arguments import Build
 from mgjax.cli.report import emit, to_json
 from mgjax.clips.folder import load_clips
 from mgjax.clips.labels import load_labels
@@ -19,7 +19,7 @@ from mgjax.graph.config import GraphConfig
 from mgjax.graph.files import save_graph
 from mgjax.io.load import load_motion
 from mgjax.io.output import output_folder
-from mgjax.runs.config import load_config
+from mgjax.io.toml_file import load_config
 
 KEYS = (
     "frames",

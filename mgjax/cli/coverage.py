@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.coverage import Coverage, coverage
-from mgjax.avoidance.coverage_report import report
-from mgjax.cli import commands
+from mgjax.avoidance.coverage.report import report
+from mgjax.avoidance.coverage.throws import Coverage, coverage
+from mgjax.cli import arguments as commands
 from mgjax.cli.report import emit, to_json
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import MotionGraph
 from mgjax.io.output import output_folder
-from mgjax.runs.config import load_config
-from mgjax.runs.plot_coverage import coverage_picture
+from mgjax.io.toml_file import load_config
+from mgjax.pictures.coverage import coverage_picture
 
 LISTED = 4
 """Regions and stretches of clips that are printed; coverage.json has all."""

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.avoidance.attack import ball_attack
-from mgjax.avoidance.check import walk_motion
+from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.checks.written import walk_motion
+from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.selection import select
+from mgjax.cli.arguments import Demo
 from mgjax.cli.avoid import describe, selection_json
-from mgjax.cli.commands import Demo
 from mgjax.cli.report import emit, to_json
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.core.errors import ConfigError
@@ -21,7 +21,7 @@ from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk
 from mgjax.io.bvh_write import save_bvh
 from mgjax.io.output import output_folder
-from mgjax.runs.plot import Throw, scene_picture
+from mgjax.pictures.throws import Throw, scene_picture
 
 HEIGHTS_M = (1.45, 0.5, 1.1, 1.55, 0.8)
 """Heights at which the balls pass, in turn: head, knees, belly."""

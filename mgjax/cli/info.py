@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from mgjax.cli.commands import Info
+from mgjax.cli.arguments import Info
 from mgjax.cli.report import emit, to_json
+from mgjax.clips.oddities import find_oddities
 from mgjax.io.load import read_capture
-from mgjax.io.oddities import find_oddities
 from mgjax.io.output import output_folder
 
 

@@ -7,20 +7,20 @@ import sys
 from dataclasses import asdict
 from typing import Any
 
-from mgjax.ballsport.ball_track import csv_text
-from mgjax.ballsport.live_scene import SensorChoice
-from mgjax.ballsport.scene import Scene as BallScene
-from mgjax.ballsport.scene import build_scene, prepare_scene
-from mgjax.ballsport.scene_config import SceneConfig
-from mgjax.ballsport.scene_report import scene_json
-from mgjax.ballsport.sensor import SensorReceiver
-from mgjax.cli.commands import Scene
+from mgjax.ballsport.live.choice import SensorChoice
+from mgjax.ballsport.scene.ball_track import csv_text
+from mgjax.ballsport.scene.build import Scene as BallScene
+from mgjax.ballsport.scene.build import build_scene, prepare_scene
+from mgjax.ballsport.scene.config import SceneConfig
+from mgjax.ballsport.scene.file import load_scene
+from mgjax.ballsport.scene.report import scene_json
+from mgjax.cli.arguments import Scene
 from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.io.bvh_write import save_bvh
 from mgjax.io.output import output_folder
-from mgjax.runs.plot_scene_ball import scene_picture
-from mgjax.runs.scene_file import load_scene
+from mgjax.pictures.scene import scene_picture
+from mgjax.sensor.receiver import SensorReceiver
 
 
 def run(command: Scene) -> None:

@@ -7,16 +7,16 @@ import sys
 from dataclasses import asdict
 from typing import Any
 
-from mgjax.ballsport.clip_set import build_clip_set
-from mgjax.ballsport.live import LiveDriver, PassDecision
-from mgjax.ballsport.sensor import SensorReceiver
-from mgjax.ballsport.sensor_config import ReplayConfig
-from mgjax.ballsport.sensor_replay import replay as send
-from mgjax.cli.commands import Listen, Replay
+from mgjax.ballsport.clipset.build import build_clip_set
+from mgjax.ballsport.live.recogniser import LiveDriver, PassDecision
+from mgjax.cli.arguments import Listen, Replay
 from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.io.load import load_motion
 from mgjax.io.output import output_folder
+from mgjax.sensor.config import ReplayConfig
+from mgjax.sensor.receiver import SensorReceiver
+from mgjax.sensor.replay import replay as send
 
 
 def replay(command: Replay) -> None:

@@ -6,23 +6,23 @@ import math
 from dataclasses import replace
 from typing import Any
 
-from mgjax.cli.commands import Walk
+from mgjax.cli.arguments import Walk
 from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import NO_CLIP, MotionGraph
-from mgjax.hybrid.path_config import PathConfig
-from mgjax.hybrid.path_curve import make_curve
-from mgjax.hybrid.path_result import PathResult
-from mgjax.hybrid.path_search import follow
-from mgjax.hybrid.path_sketch import load_sketch
-from mgjax.hybrid.reach_result import ReachResult
-from mgjax.hybrid.reach_targets import load_targets
-from mgjax.hybrid.reach_walk import reach
+from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.paths.curve import make_curve
+from mgjax.hybrid.paths.result import PathResult
+from mgjax.hybrid.paths.search import follow
+from mgjax.hybrid.paths.sketch import load_sketch
+from mgjax.hybrid.reaching.result import ReachResult
+from mgjax.hybrid.reaching.targets import load_targets
+from mgjax.hybrid.reaching.walk import reach
 from mgjax.io.bvh_write import save_bvh
 from mgjax.io.output import output_folder
-from mgjax.runs.config import load_config
-from mgjax.runs.plot_walk import walk_picture
+from mgjax.io.toml_file import load_config
+from mgjax.pictures.walk import walk_picture
 
 
 def run(command: Walk) -> None:

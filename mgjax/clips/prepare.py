@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mgjax.clips.oddities import first_clean_frame, jump_frames
 from mgjax.clips.types import Clip, Label, Labels, mirrored_direction
 from mgjax.core.contacts import foot_joints
 from mgjax.core.errors import MotionError, SkeletonError
 from mgjax.core.motion import Motion, cut, mirror, resample
 from mgjax.core.skeleton import Skeleton, find_role, first_difference, rest_positions
-from mgjax.io.oddities import first_clean_frame, jump_frames
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,8 +10,8 @@ from jaxtyping import Float
 from mgjax.core import quaternion
 from mgjax.core.arrays import Array, namespace
 from mgjax.core.errors import MotionError
-from mgjax.core.pytree import register
 from mgjax.core.skeleton import Skeleton, mirror_joints
+from mgjax.core.xla.pytree import register
 
 
 @register("frame_rate")

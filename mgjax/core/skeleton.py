@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from mgjax.core.arrays import Array
 from mgjax.core.errors import SkeletonError
-from mgjax.core.pytree import register
+from mgjax.core.xla.pytree import register
 
 MAX_OFFSET_M = 10.0
 """No bone of a body is longer; a larger offset means a wrong unit or a broken file."""

@@ -23,8 +23,8 @@ from jaxtyping import Float
 
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
-from mgjax.core.padding import bucket_size, pad_axis
-from mgjax.core.pytree import register
+from mgjax.core.xla.padding import bucket_size, pad_axis
+from mgjax.core.xla.pytree import register
 
 ROW_BLOCK = 256
 PATH_COMPONENTS = 4

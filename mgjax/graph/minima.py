@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float
 from tqdm import tqdm
 
 from mgjax.core.arrays import Array
-from mgjax.core.padding import pad_axis
+from mgjax.core.xla.padding import pad_axis
 from mgjax.graph.distance import (
     WindowFeatures,
     block_distances,

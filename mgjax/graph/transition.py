@@ -12,8 +12,8 @@ from jaxtyping import Bool, Float, Int
 from mgjax.core import planar, quaternion
 from mgjax.core.arrays import Array
 from mgjax.core.kinematics import forward
-from mgjax.core.padding import bucket_size, pad_axis
 from mgjax.core.skeleton import Skeleton
+from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.graph.feet import FootChains, keep_plants
 
 CHUNK = 256

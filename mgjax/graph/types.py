@@ -92,3 +92,7 @@ class MotionGraph:
     def edges_from(self, node: int) -> Int[np.ndarray, " M"]:
         """The edges that leave a node."""
         return self.out_edges[self.out_first[node] : self.out_first[node + 1]]
+
+
+NO_EDGE = -1
+"""Pads the walks of candidates."""

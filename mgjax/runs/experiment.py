@@ -30,9 +30,10 @@ from typing import Any, NoReturn, TypeVar
 import numpy as np
 from matplotlib.figure import Figure
 
-from mgjax.core.compilation import enable_cache
 from mgjax.core.errors import ConfigError, MgjaxError
+from mgjax.core.xla.compilation import enable_cache
 from mgjax.io.output import output_folder
+from mgjax.io.settings import describe, resolve, to_toml
 from mgjax.runs.record import (
     CompileTimes,
     Points,
@@ -45,7 +46,6 @@ from mgjax.runs.record import (
     revision,
     versions,
 )
-from mgjax.runs.settings import describe, resolve, to_toml
 
 T = TypeVar("T")
 PARTIAL = "partial.jsonl"

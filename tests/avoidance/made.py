@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from mgjax.avoidance.attack import Attack, ball_attack
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.clips.synthetic import synthetic_skeleton
 from mgjax.core.kinematics import planar_frames
 from mgjax.graph.transition import frame_positions

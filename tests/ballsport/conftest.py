@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mgjax.ballsport.clip_set import ClipSet, build_clip_set
+from mgjax.ballsport.clipset.build import ClipSet, build_clip_set
 from mgjax.ballsport.config import ClipSetConfig
 from mgjax.clips.folder import load_clips
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mgjax.avoidance import coverage as room
-from mgjax.cli.commands import Coverage
+from mgjax.avoidance.coverage import throws as room
+from mgjax.cli.arguments import Coverage
 from tests.cli.conftest import Ran, refused, run
 
 SMALL = ("--directions", 4, "--nodes", 6, "--heights", 0.4, 1.4, "--arrivals", 1.2)

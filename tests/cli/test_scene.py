@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mgjax.ballsport.ball import BallPhysics
-from mgjax.ballsport.contact import bone_radius
-from mgjax.ballsport.hits import hit_joint
+from mgjax.ballsport.ball.physics import BallPhysics
+from mgjax.ballsport.clipset.ball_contact import bone_radius
+from mgjax.ballsport.hits.detect import hit_joint
 from mgjax.io.load import load_motion
 from tests.cli.conftest import Ran, refused, run
 from tests.reference import ball as reference

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mgjax.clips.folder import load_clips
+from mgjax.clips.oddities import first_clean_frame
 from mgjax.clips.prepare import prepare_clips
 from mgjax.clips.types import Clip, Label
 from mgjax.core.contacts import foot_joints, planted
@@ -14,7 +15,6 @@ from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion, cut, mirror
 from mgjax.core.skeleton import Skeleton
 from mgjax.io.load import load_motion
-from mgjax.io.oddities import first_clean_frame
 from tests.conftest import make_skeleton
 
 BODY = make_skeleton()

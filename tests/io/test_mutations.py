@@ -12,13 +12,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mgjax.clips.oddities import find_oddities
 from mgjax.core.errors import FileFormatError, MgjaxError
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion, validate_motion
 from mgjax.core.skeleton import Skeleton, validate_skeleton
 from mgjax.io.bvh_write import save_bvh
 from mgjax.io.load import load_motion
-from mgjax.io.oddities import find_oddities
 from tests.io import made
 
 SECONDS = 2.0  # of this process, so that a busy machine does not matter

@@ -1,0 +1,266 @@
+"""Attacks as compiled code reads them: where they are at the frames of the written motion."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.crop import Crop
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.core.arrays import Array
+from mgjax.core.xla.padding import bucket_size
+from mgjax.core.xla.pytree import register
+
+FRAMES = 256
+"""Frames of an attack that a call is compiled for, and thirty-two times as many."""
+
+SPHERES = 1
+"""Spheres of an attack that a call is compiled for, and eight times as many, …"""
+
+_ABSENT_S = -1e9
+"""Life of the spheres that pad an attack."""
+
+_ROUNDING_S = 1e-5
+"""A sphere that is there from a moment on is there at this moment in 32 bits, too."""
+
+(
+    T_ATTACK, CROP_START, CROP_END, EVALUATED, SPHERE_COUNT,
+    BEGIN, END, FIRST_FRAME, FRAME_COUNT, MARGIN, SAG, SPEED,
+) = range(12)  # fmt: skip
+"""Columns of :attr:`Shots.numbers`."""
+
+_NUMBERS = 12
+"""Columns before those of the spheres."""
+
+
+@register()
+@dataclass(frozen=True, kw_only=True)
+class Shots:
+    """Some attacks, each in the planar frame of its node; time counts from now.
+
+    Between two frames centres move straight; the motion is compared with them at frames.
+
+    Attributes:
+        frames: x, y and z of every sphere at the frames of the written motion from the first that
+            counts, m; before the attack begins and after it ends it is held. [A, N, 3·I]
+        numbers: seconds of the attack (the middle of its crop), beginning and end of the crop; how
+            many evenly spaced times are evaluated over it; how many spheres there are; beginning
+            and end of what counts of the attack, the first frame of the written motion and how many
+            it lasts; how near to the body's reach a sphere has to come to be looked at, m; how far
+            spheres stray from straight lines between two frames, m; their largest speed, m/s. Then
+            all that ``spheres`` has. [A, 12+3·I]
+    """
+
+    frames: Float[Array, "A N D"]
+    numbers: Float[Array, "A M"]
+
+    @property
+    def spheres(self) -> Float[Array, "A 3 I"]:
+        """Radius in m, first and last second of each sphere; those that pad never come."""
+        return self.numbers[:, _NUMBERS:].reshape(self.numbers.shape[0], 3, -1)
+
+    @property
+    def sphere_slots(self) -> int:
+        """Spheres with their padding."""
+        return self.frames.shape[2] // 3
+
+    def number(self, column: int) -> Float[Array, " A"]:
+        """One of the numbers of all attacks."""
+        return self.numbers[:, column]
+
+    def of(self, owner: Int[Array, " C"]) -> Shots:
+        """The attack of each of some candidates."""
+        return Shots(frames=self.frames[owner], numbers=self.numbers[owner])
+
+
+def empty_shot(frames: int, spheres: int) -> Shots:
+    """One attack that is nowhere, of a size that calls are compiled for."""
+    numbers = np.full((1, _NUMBERS + 3 * spheres), _ABSENT_S, np.float32)
+    numbers[0, :_NUMBERS] = 0
+    return Shots(frames=np.zeros((1, frames, 3 * spheres), np.float32), numbers=numbers)
+
+
+def frames_of(attack: Attack) -> tuple[int, int]:
+    """The first frame of the written motion at which an attack counts, and the last."""
+    first = math.floor(max(attack.start, 0.0) * EXPORT_RATE)
+    return first, max(math.ceil(attack.end * EXPORT_RATE), first + 1)
+
+
+def make_shot(
+    attack: Attack, crop: Crop, config: AvoidanceConfig, reach: float, *, long: bool = False
+) -> Shots:
+    """One attack, padded to one of few sizes.
+
+    Args:
+        attack, crop: the attack, and the part of it that counts for timing and energies.
+        config: settings.
+        reach: how far any point of the body can be from its root, m.
+        long: pads it to a larger size.
+    """
+    begin, end = max(attack.start, 0.0), attack.end
+    first, last = frames_of(attack)
+    step = 1 / EXPORT_RATE
+    count, spheres = last - first + 1, len(attack.radii)
+    slots = bucket_size(spheres, SPHERES, 8)
+    times = np.arange(first, last + 1) * step
+    size = bucket_size(max(count, FRAMES + 1 if long else 0), FRAMES, 32)
+    frames = np.empty((1, size, 3 * slots), np.float32)
+    frames[0, :, 3 * spheres :] = 0
+    if attack.starts is None and attack.stops is None:
+        for k, column in enumerate(attack.centres.reshape(len(attack.times), -1).T):
+            frames[0, :count, k] = np.interp(times, attack.times, column)
+    else:
+        frames[0, :count, : 3 * spheres] = _lived(attack, times).reshape(count, -1)
+    frames[0, count:] = frames[0, count - 1]
+    numbers = np.full((1, _NUMBERS + 3 * slots), _ABSENT_S, np.float32)
+    speed = attack.largest_speed
+    numbers[0, :_NUMBERS] = (
+        crop.middle,
+        crop.start,
+        crop.end,
+        evaluated(attack, crop, config),
+        spheres,
+        begin,
+        max(end, begin),
+        first,
+        count,
+        reach + speed * step + 0.1,
+        _sag(attack, step),
+        speed,
+    )
+    life = numbers[0, _NUMBERS:].reshape(3, slots)
+    life[0, :spheres] = attack.radii
+    life[1, :spheres] = attack.start if attack.starts is None else attack.starts
+    life[2, :spheres] = attack.end if attack.stops is None else attack.stops
+    return Shots(frames=frames, numbers=numbers)
+
+
+def evaluated(attack: Attack, crop: Crop, config: AvoidanceConfig) -> int:
+    """How many evenly spaced times over the crop are evaluated.
+
+    They are at most min(1/20 s, radius / speed) apart (§4.2).
+    """
+    quickest = float(attack.radii.min()) / max(attack.largest_speed, 1e-6)
+    step = min(config.evaluation_step_s, quickest)
+    return max(math.ceil((crop.end - crop.start) / step) + 1, 2)
+
+
+def _lived(attack: Attack, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, "T I 3"]:
+    """Centres at frames; at the last frame before a sphere's life, and the first after it, where it
+    would be if it had moved on straight, so that between frames it is where it is."""
+    frames = attack.held(times)
+    for k in range(len(attack.radii)):
+        begin = attack.start if attack.starts is None else float(attack.starts[k])
+        end = attack.end if attack.stops is None else float(attack.stops[k])
+        inner = np.flatnonzero((times > begin) & (times < end))
+        for moment, outside, inside in (
+            (begin, int(times.searchsorted(begin)) - 1, inner[0] if inner.size else None),
+            (end, int(times.searchsorted(end, "right")), inner[-1] if inner.size else None),
+        ):
+            if not 0 <= outside < len(times):
+                continue
+            other = (end if moment == begin else begin) if inside is None else times[inside]
+            if other == moment:
+                continue
+            at, there = attack.held(np.array([moment, other]))[:, k]
+            frames[outside, k] = at + (there - at) * ((times[outside] - moment) / (other - moment))
+    return frames
+
+
+def _sag(attack: Attack, step: float) -> float:
+    """How far spheres stray from straight lines over ``step`` s, m."""
+    sag = (attack.acceleration + _kinks(attack, step)) * step**2 / 8
+    if attack.acceleration and len(attack.times) > 1:
+        apart = float((attack.times[1:] - attack.times[:-1]).max())
+        sag += attack.acceleration * apart**2 / 8 if apart > step else 0.0
+    return sag
+
+
+def _kinks(attack: Attack, step: float) -> float:
+    """Acceleration whose bend over ``step`` covers the corners at an attack's knots, m/s².
+
+    Cutting a corner of Δv costs Δv · step/4 at most, several within a step the sum of theirs. The
+    knots of a smooth flight bend by no more than its acceleration says.
+    """
+    if len(attack.times) < 3:
+        return 0.0
+    times = attack.times
+    span = times[1:] - times[:-1]
+    velocity = (attack.centres[1:] - attack.centres[:-1]) / span[:, None, None]
+    turns = velocity[1:] - velocity[:-1]
+    near = np.minimum(span, step)
+    smooth = (1.01 * 0.5 * attack.acceleration) * (near[1:] + near[:-1]) + 1e-6
+    excess = np.sqrt(np.einsum("tik,tik->ti", turns, turns)) - smooth[:, None]
+    if excess.max() <= 0:
+        return 0.0
+    excess = np.maximum(excess, 0.0)
+    # Where a sphere comes or goes it has no motion on the other side.
+    inner = attack.times[1:-1, None]
+    if attack.starts is not None:
+        excess = np.where(inner > attack.starts, excess, 0.0)
+    if attack.stops is not None:
+        excess = np.where(inner < attack.stops, excess, 0.0)
+    total = np.concatenate([[0.0], np.cumsum(excess.max(axis=1))])
+    knots = attack.times[1:-1]
+    upto = np.searchsorted(knots, knots + step, side="right")
+    return float((total[upto] - total[:-1]).max()) * 2 / step
+
+
+def places(shots: Shots, times: Float[Array, "T A"]) -> Float[Array, "T A D"]:
+    """Where the spheres of each attack are at times of its own, m; D is x, y, z of each."""
+    _, size, _ = shots.frames.shape
+    begin, end, first = (shots.number(k)[None] for k in (BEGIN, END, FIRST_FRAME))
+    times = jnp.clip(times, begin, end)
+    low = jnp.clip(jnp.floor(times * EXPORT_RATE - first), 0.0, size - 2)
+    # The first and last frame stand for the moments at which the attack begins and ends.
+    before = jnp.clip((first + low) / EXPORT_RATE, begin, end)
+    after = jnp.clip((first + low + 1) / EXPORT_RATE, begin, end)
+    share = jnp.clip((times - before) / jnp.maximum(after - before, 1e-9), 0.0, 1.0)[..., None]
+    row = _rows(shots, low.astype(jnp.int32))
+    frames = shots.frames.reshape(-1, shots.frames.shape[2])
+    return frames[row] * (1 - share) + frames[row + 1] * share
+
+
+def places_at_frames(shots: Shots, index: Int[Array, "W A"]) -> Float[Array, "W A D"]:
+    """The same at frames of the written motion, counted from each attack's first."""
+    frames = shots.frames.reshape(-1, shots.frames.shape[2])
+    return frames[_rows(shots, jnp.clip(index, 0, shots.frames.shape[1] - 1))]
+
+
+def _rows(shots: Shots, index: Int[Array, "T A"]) -> Int[Array, "T A"]:
+    """Rows of the frames of all attacks, one after the other."""
+    attacks, size, _ = shots.frames.shape
+    return index + (jnp.arange(attacks, dtype=jnp.int32) * size)[None]
+
+
+def presence(shots: Shots, times: Float[Array, "T A"]) -> Bool[Array, "T A I"]:
+    """Whether each sphere of each attack is there."""
+    slack = _ROUNDING_S + 1e-6 * jnp.abs(times[..., None])
+    after = times[..., None] >= shots.spheres[None, :, 1] - slack
+    return after & (times[..., None] <= shots.spheres[None, :, 2] + slack)
+
+
+def lives(shots: Shots, times: Float[Array, "T A"]) -> Bool[Array, "V A I"]:
+    """Whether each sphere of each attack is there at any moment between two times."""
+    slack = _ROUNDING_S + 1e-6 * jnp.abs(times[..., None])
+    born, gone = shots.spheres[None, :, 1], shots.spheres[None, :, 2]
+    return (times[1:, ..., None] >= born - slack[1:]) & (times[:-1, ..., None] <= gone + slack[:-1])
+
+
+def evaluation_times(shots: Shots, index: Int[Array, " T"]) -> Float[Array, "T A"]:
+    """The evaluated times of each attack by number; beyond the last it is repeated."""
+    start, end, count = (shots.number(k)[None] for k in (CROP_START, CROP_END, EVALUATED))
+    share = jnp.minimum(index.astype(jnp.float32)[:, None] / (count - 1), 1.0)
+    return start + share * (end - start)
+
+
+def frame_times(shots: Shots, index: Int[Array, "N A"]) -> Float[Array, "N A"]:
+    """The times of frames of the written motion, counted from each attack's first."""
+    frame = shots.number(FIRST_FRAME)[None] + index.astype(jnp.float32)
+    return jnp.clip(frame / EXPORT_RATE, shots.number(BEGIN)[None], shots.number(END)[None])

@@ -1,0 +1,45 @@
+"""Attacks seen from another place and moment."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.core import planar
+
+
+def moved(attack: Attack, place: Float[np.ndarray, "3"], begins: float) -> Attack:
+    """An attack of the world in a planar frame, its times counted from ``begins`` s."""
+    inverse = np.asarray(planar.inverse(place))
+    centres = np.asarray(planar.apply(inverse, attack.centres.astype(np.float64)))
+    return replace(retimed(attack, begins), centres=centres)
+
+
+def retimed(attack: Attack, begins: float) -> Attack:
+    """The same attack with its times counted from ``begins`` s."""
+    return replace(
+        attack,
+        times=attack.times - begins,
+        starts=None if attack.starts is None else attack.starts - begins,
+        stops=None if attack.stops is None else attack.stops - begins,
+    )
+
+
+def since(attack: Attack, now: float) -> Attack:
+    """What is left at ``now`` s of an attack that ends later, without spheres that are gone."""
+    if attack.start >= now:
+        return attack
+    here = replace(attack, starts=None, stops=None).at(np.array([now]))
+    later = attack.times > now
+    left = np.ones(len(attack.radii), bool) if attack.stops is None else attack.stops >= now
+    return replace(
+        attack,
+        times=np.concatenate([[now], attack.times[later]]),
+        centres=np.concatenate([here, attack.centres[later]])[:, left],
+        radii=attack.radii[left],
+        starts=None if attack.starts is None else np.maximum(attack.starts, now)[left],
+        stops=None if attack.stops is None else attack.stops[left],
+    )

@@ -1,0 +1,151 @@
+"""What the search needs of every edge of a graph, computed once: body volume, speed, labels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from mgjax.avoidance.body.spheres import BodySpheres, preset_spheres, sphere_centres
+from mgjax.avoidance.config import SpeedConfig
+from mgjax.core import planar
+from mgjax.core.kinematics import forward
+from mgjax.core.skeleton import require_roles
+from mgjax.graph.types import MotionGraph
+
+END_EFFECTORS = ("left_wrist", "right_wrist", "left_ankle", "right_ankle")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EdgeTables:
+    """Per edge and per labelled part.
+
+    Attributes:
+        spheres: of the body.
+        seconds: natural duration of each edge. [E]
+        step: planar frame of the node an edge arrives at, in that of the node it leaves. [E, 3]
+        pool: sphere centres, components first, at evenly spaced moments of each edge, in the planar
+            frame of the node it leaves, m. [P, 3·S]
+        pool_first: row of an edge's first moment. [E]
+        pool_steps: intervals between its moments; it has one moment more. [E]
+        top_speed: largest speed of a hand or foot, m/s. [E]
+        part_edge: edge of each avoidance part. [A]
+        part_start, part_stop, part_centre: seconds within the edge. [A]
+        part_first, part_ids: the parts of edge e are part_ids[part_first[e]:part_first[e+1]].
+        nearest_part: least seconds from a node to the middle of a part; inf if there is none. [N]
+    """
+
+    spheres: BodySpheres
+    seconds: Float[np.ndarray, " E"]
+    step: Float[np.ndarray, "E 3"]
+    pool: Float[np.ndarray, "P K"]
+    pool_first: Int[np.ndarray, " E"]
+    pool_steps: Int[np.ndarray, " E"]
+    top_speed: Float[np.ndarray, " E"]
+    part_edge: Int[np.ndarray, " A"]
+    part_start: Float[np.ndarray, " A"]
+    part_stop: Float[np.ndarray, " A"]
+    part_centre: Float[np.ndarray, " A"]
+    part_first: Int[np.ndarray, " E1"]
+    part_ids: Int[np.ndarray, " A"]
+    nearest_part: Float[np.ndarray, " N"]
+
+
+@lru_cache(maxsize=8)
+def edge_tables(graph: MotionGraph, body_rate: float) -> EdgeTables:
+    """The tables of a graph, with body volumes sampled ``body_rate`` times a second."""
+    spheres = preset_spheres(graph.skeleton)
+    positions = np.asarray(
+        forward(graph.skeleton, graph.root_translation, graph.local_rotations)[0]
+    )
+    seconds = graph.edge_frames / graph.frame_rate
+    steps = np.maximum(np.ceil(seconds * body_rate - 1e-6).astype(np.int64), 1)
+    first = np.concatenate([[0], np.cumsum(steps + 1)])[:-1]
+    rows = np.arange(int((steps + 1).sum()))
+    edge = np.repeat(np.arange(graph.num_edges), steps + 1)
+    frame = graph.edge_starts[edge] + (rows - first[edge]) * (graph.edge_frames / steps)[edge]
+    pool = _sample_spheres(graph, spheres, positions, edge, frame)
+    part_edge = graph.label_edge
+    offset = graph.edge_starts[part_edge]
+    start = (graph.label_starts - offset) / graph.frame_rate
+    stop = (graph.label_stops - offset) / graph.frame_rate
+    counts = np.bincount(part_edge, minlength=graph.num_edges)
+    source = graph.node_plane[graph.edge_source].astype(np.float64)
+    target = graph.node_plane[graph.edge_target].astype(np.float64)
+    arrival = planar.compose(graph.edge_exit.astype(np.float64), target)
+    return EdgeTables(
+        spheres=spheres,
+        seconds=seconds,
+        step=np.asarray(planar.compose(planar.inverse(source), arrival)),
+        pool=pool,
+        pool_first=first,
+        pool_steps=steps,
+        top_speed=_top_speeds(graph, positions),
+        part_edge=part_edge,
+        part_start=start,
+        part_stop=stop,
+        part_centre=0.5 * (start + stop),
+        part_first=np.concatenate([[0], np.cumsum(counts)]),
+        part_ids=np.argsort(part_edge, kind="stable"),
+        nearest_part=_nearest_parts(graph, seconds, part_edge, 0.5 * (start + stop)),
+    )
+
+
+def _sample_spheres(
+    graph: MotionGraph,
+    spheres: BodySpheres,
+    positions: np.ndarray,
+    edge: np.ndarray,
+    frame: np.ndarray,
+) -> np.ndarray:
+    """[P, 3·S] sphere centres at fractional frames, in the frames of the edges' source nodes."""
+    centres = np.asarray(sphere_centres(spheres, positions))
+    low = np.minimum(np.floor(frame + 1e-6).astype(np.int64), graph.edge_stops[edge] - 1)
+    share = (frame - low)[:, None, None].astype(np.float32)
+    mixed = centres[low] * (1 - share) + centres[low + 1] * share
+    plane = graph.node_plane[graph.edge_source[edge]]
+    local = np.asarray(planar.apply(np.asarray(planar.inverse(plane))[:, None], mixed))
+    return np.ascontiguousarray(np.moveaxis(local, -1, 1)).reshape(len(edge), -1).astype(np.float32)
+
+
+def _top_speeds(graph: MotionGraph, positions: np.ndarray) -> np.ndarray:
+    """v_max of each edge (§4.1): the fastest end effector over its frames, in the world."""
+    joints = list(require_roles(graph.skeleton, END_EFFECTORS))
+    step = np.linalg.norm(np.diff(positions[:, joints], axis=0), axis=-1).max(axis=1)
+    step = np.append(step * graph.frame_rate, 0.0)
+    # The step from frame f to f + 1 belongs to the edge that plays f.
+    return np.array(
+        [step[a:b].max() for a, b in zip(graph.edge_starts, graph.edge_stops, strict=True)]
+    )
+
+
+def _nearest_parts(
+    graph: MotionGraph, seconds: np.ndarray, part_edge: np.ndarray, centre: np.ndarray
+) -> np.ndarray:
+    """Least time from each node to the middle of any part: shortest paths to one common sink."""
+    sink = graph.num_nodes
+    source = np.concatenate([graph.edge_target, np.full(len(part_edge), sink)])
+    target = np.concatenate([graph.edge_source, graph.edge_source[part_edge]])
+    weight = np.concatenate([seconds, np.maximum(centre, 1e-9)])
+    order = np.argsort(weight)[::-1]  # of parallel edges the shortest is written last
+    best: dict[tuple[int, int], float] = {}
+    for i in order:
+        best[int(source[i]), int(target[i])] = float(weight[i])
+    keys = np.array(list(best), dtype=np.int64).reshape(-1, 2)
+    size = (sink + 1, sink + 1)
+    matrix = csr_array((np.array(list(best.values())), (keys[:, 0], keys[:, 1])), shape=size)
+    return np.asarray(dijkstra(matrix, directed=True, indices=sink))[:sink]
+
+
+def speed_classes(
+    top_speed: Float[np.ndarray, " E"], speed: SpeedConfig
+) -> tuple[Bool[np.ndarray, " E"], Bool[np.ndarray, " E"]]:
+    """Which edges may be slowed down, and which sped up (§4.1)."""
+    still = top_speed < speed.V_still
+    slow_down = (top_speed > speed.V_fast) | still
+    speed_up = ((top_speed > speed.V_still) & (top_speed < speed.V_slow)) | still
+    return slow_down, speed_up

@@ -1,0 +1,171 @@
+"""The check while searching: how near an attack comes to a walk as it would be written, jitted.
+
+It looks at the same poses as :mod:`mgjax.avoidance.checks.written` (the frames of the written
+motion and the moments between them), but only at those moments at which the attack can reach the
+body at all.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float, Int
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.batch import SPHERES
+from mgjax.avoidance.body.poses import Body, body_of
+from mgjax.avoidance.rates import CHECK_RATE, FAR
+from mgjax.core import planar, quaternion
+from mgjax.core.arrays import Array
+from mgjax.core.kinematics import forward
+from mgjax.core.xla.padding import bucket_size, pad_axis
+from mgjax.core.xla.pytree import register
+from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import Walk, place_edges
+
+
+@register()
+@dataclass(frozen=True, kw_only=True)
+class Poses:
+    """The two frames that each written frame lies between, each with its place in the world."""
+
+    low: Int[Array, " N"]
+    high: Int[Array, " N"]
+    place_low: Float[Array, "N 3"]
+    place_high: Float[Array, "N 3"]
+    share: Float[Array, " N"]
+
+
+FRAMES = 64
+"""Written frames that a call is compiled for, and four times as many, …"""
+
+
+@jax.jit
+def nearest_of(
+    body: Body,
+    poses: Poses,
+    attack_centres: Float[Array, "T I 3"],
+    attack_radii: Float[Array, " I"],
+    absent: Float[Array, "T1 I"],
+) -> Float[Array, ""]:
+    """Least swept distance over the intervals in which a sphere is not ``absent`` (0 or 1).
+
+    T = 2 N − 1.
+    """
+    root, rotations = _written_frames(body, poses)
+    # A moment between each two written frames, interpolated as a reader of the file would.
+    middle = 0.5 * (root[:-1] + root[1:])
+    half = jnp.full((1,), 0.5, dtype=jnp.float32)
+    between = quaternion.slerp(rotations[:-1], rotations[1:], half[None])
+    root = _interleave(root, middle)
+    rotations = _interleave(rotations, between)
+    positions, _ = forward(body.skeleton, root, rotations)
+    spheres = positions[:, body.first] * (1 - body.share)[None]
+    spheres = spheres + positions[:, body.second] * body.share[None]
+    gaps = attack_centres[:, :, None] - spheres[:, None]
+    begin, move = gaps[:-1], gaps[1:] - gaps[:-1]
+    along = jnp.maximum(jnp.sum(move * move, axis=-1), 1e-20)
+    share = jnp.clip(-jnp.sum(begin * move, axis=-1) / along, 0.0, 1.0)
+    near = begin + share[..., None] * move
+    distance = jnp.sqrt(jnp.sum(near * near, axis=-1))
+    distance = distance - attack_radii[None, :, None] - body.radii[None, None, :]
+    return jnp.min(distance + FAR * absent[..., None])
+
+
+def _written_frames(body: Body, poses: Poses) -> tuple[Array, Array]:
+    share = poses.share[:, None]
+
+    def pose(frames: Array, place: Array) -> tuple[Array, Array]:
+        rotations = body.rotations[frames]
+        root, first = planar.apply_pose(place, body.root[frames], rotations[:, 0])
+        return root, jnp.concatenate([first[:, None], rotations[:, 1:]], axis=1)
+
+    root_low, low = pose(poses.low, poses.place_low)
+    root_high, high = pose(poses.high, poses.place_high)
+    return root_low * (1 - share) + root_high * share, quaternion.slerp(low, high, share)
+
+
+def _interleave(even: Array, odd: Array) -> Array:
+    pairs = jnp.stack([even[:-1], odd], axis=1).reshape(-1, *even.shape[1:])
+    return jnp.concatenate([pairs, even[-1:]])
+
+
+def clearance_between(
+    graph: MotionGraph, attack: Attack, walk: Walk, start: float, stop: float
+) -> float:
+    """Clearance of a walk that begins now, from ``start`` to ``stop`` s, m; ``FAR`` if untouched.
+
+    Agrees with :func:`mgjax.avoidance.checks.written.clearance` on the written motion to float32
+    rounding and, for attacks whose knots lie between its moments, to what those bend within 1/240
+    s.
+    """
+    begin, end = max(start, attack.start, 0.0), min(stop, attack.end)
+    if begin > end:
+        return FAR
+    body, reach = body_of(graph)
+    first = int(np.floor(begin * CHECK_RATE / 2))  # written frames, at half the rate
+    last = max(int(np.ceil(end * CHECK_RATE / 2)), first + 1)
+    times = np.arange(first, last + 1) * 2 / CHECK_RATE
+    poses, root = _read_walk(graph, walk, times)
+    far = attack.held(np.clip(times, attack.start, attack.end)) - root[:, None]
+    gap = np.linalg.norm(far, axis=-1) - attack.radii[None, :] - reach
+    # Between two frames an attack moves on by at most half its step from the nearer one.
+    step = attack.largest_speed / CHECK_RATE
+    near = np.flatnonzero(gap.min(axis=1) <= step + 0.05)
+    if not near.size:
+        return FAR
+    a, b = max(int(near[0]) - 1, 0), min(int(near[-1]) + 1, len(times) - 1)
+    count = b - a + 1
+    size = bucket_size(count, FRAMES, 4)
+    rows = np.minimum(np.arange(a, a + size), b)  # padded by the last
+    poses = jax.tree.map(lambda x: x[rows], poses)
+    moments = (2 * (first + a) + np.arange(2 * size - 1)) / CHECK_RATE
+    moments = np.clip(moments, max(begin, attack.start), end)
+    centres, absent = attack.held(moments), ~attack.lives(moments)
+    absent[2 * count - 2 :] = True
+    slots = bucket_size(len(attack.radii), SPHERES, 8)
+    nearest = nearest_of(
+        body,
+        poses,
+        pad_axis(centres.astype(np.float32), slots, axis=1),
+        pad_axis(attack.radii.astype(np.float32), slots),
+        pad_axis(absent.astype(np.float32), slots, axis=1, value=1),
+    )
+    apart = float((attack.times[1:] - attack.times[:-1]).max(initial=0.0))
+    between = apart**2 / 8 if apart > 1 / CHECK_RATE else 0.0
+    sag = attack.acceleration * (1 / CHECK_RATE**2 / 4 + between)
+    return min(float(nearest) - sag, FAR)
+
+
+def _read_walk(graph: MotionGraph, walk: Walk, times: np.ndarray) -> tuple[Poses, np.ndarray]:
+    """Poses of a walk and its root in the world, as ``sample_walk`` has them."""
+    begins = walk.starts(graph)
+    where = np.clip(times, 0.0, begins[-1])
+    index = np.clip(np.searchsorted(begins, where, side="right") - 1, 0, len(walk.edges) - 1)
+    edges = walk.edges[index]
+    counts = graph.edge_frames[edges]
+    local = (where - begins[index]) / walk.scales[index] * graph.frame_rate
+    local = np.clip(local, 0.0, counts)
+    step = np.minimum(local.astype(np.int64), counts - 1)
+    share = local - step
+    placed = place_edges(graph, walk.edges)
+    # The pose after the last one that an edge plays is the first of the next edge.
+    crosses = (step == counts - 1) & (index + 1 < len(walk.edges))
+    after = np.minimum(index + crosses, len(walk.edges) - 1)
+    low = graph.edge_starts[edges] + step
+    high = np.where(crosses, graph.edge_starts[walk.edges[after]], low + 1)
+    ends = [
+        np.asarray(planar.apply(placed[at], graph.root_translation[frames]))
+        for frames, at in ((low, index), (high, after))
+    ]
+    poses = Poses(
+        low=low.astype(np.int32),
+        high=high.astype(np.int32),
+        place_low=placed[index].astype(np.float32),
+        place_high=placed[after].astype(np.float32),
+        share=share.astype(np.float32),
+    )
+    return poses, ends[0] * (1 - share)[:, None] + ends[1] * share[:, None]

@@ -1,0 +1,96 @@
+"""The exact check: forward kinematics of the motion as it is written, swept against the attack."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.body.spheres import BodySpheres, sphere_centres
+from mgjax.avoidance.rates import CHECK_RATE, EXPORT_RATE, FAR
+from mgjax.avoidance.timing.time_warp import TimeWarp
+from mgjax.core.kinematics import forward
+from mgjax.core.motion import Motion, sample
+from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import Walk, sample_walk
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trace:
+    """Body spheres over time, from the forward kinematics of a walk."""
+
+    times: Float[np.ndarray, " T"]
+    centres: Float[np.ndarray, "T S 3"]
+
+
+def walk_motion(
+    graph: MotionGraph, walk: Walk, seconds: float, warp: TimeWarp | None = None
+) -> Motion:
+    """The motion of a walk from now on, at the rate at which it is written.
+
+    With a ``warp`` that says which moment of the walk as captured is shown when; else as the scales
+    of the walk say.
+    """
+    count = int(np.ceil(seconds * EXPORT_RATE - 1e-6)) + 1
+    times = np.arange(max(count, 2)) / EXPORT_RATE
+    if warp is None:
+        return sample_walk(graph, walk, times)
+    captured = Walk(edges=walk.edges, scales=np.ones(len(walk.edges)))
+    return replace(sample_walk(graph, captured, warp.at(times)), frame_rate=EXPORT_RATE)
+
+
+def trace_motion(
+    graph: MotionGraph,
+    spheres: BodySpheres,
+    motion: Motion,
+    *,
+    start: float = 0.0,
+    stop: float = float("inf"),
+) -> Trace:
+    """Sphere centres of a motion, at the moments of the check that cover ``start … stop`` (s)."""
+    factor = CHECK_RATE / motion.frame_rate
+    last = round((motion.num_frames - 1) * factor)
+    first = min(max(int(np.floor(start * CHECK_RATE)), 0), last)
+    last = int(min(np.ceil(stop * CHECK_RATE), last))
+    index = np.arange(first, last + 1)
+    fine = sample(motion, index / factor)
+    positions, _ = forward(graph.skeleton, fine.root_translation, fine.local_rotations)
+    return Trace(times=index / CHECK_RATE, centres=np.asarray(sphere_centres(spheres, positions)))
+
+
+def clearance(
+    attack: Attack, trace: Trace, radii: Float[np.ndarray, " S"]
+) -> tuple[Float[np.ndarray, " T1"], float]:
+    """Least distance of attack and body over each interval of the trace, and over all of it, m.
+
+    Between two moments of the trace, or knots of the attack, both centres move linearly and the
+    smallest distance has a closed form; what the attack bends between its knots is taken off.
+    Intervals outside the attack's life are far.
+    """
+    times = trace.times
+    result = np.full(len(times) - 1, FAR)
+    first, last = max(attack.start, times[0]), min(attack.end, times[-1])
+    if first > last or len(times) < 2:
+        return result, FAR
+    moments = np.unique(np.concatenate([[first, last], times, attack.times]))
+    moments = moments[(moments >= first) & (moments <= last)]
+    if len(moments) < 2:  # the two only touch in time
+        moments = np.array([first, last])
+    index = np.clip(np.searchsorted(times, moments, side="right") - 1, 0, len(times) - 2)
+    share = (moments - times[index]) / (times[index + 1] - times[index])
+    body = trace.centres[index] * (1 - share)[:, None, None]
+    body = body + trace.centres[index + 1] * share[:, None, None]
+    gaps = attack.at(moments)[:, :, None] - body[:, None]  # [T, I, S, 3]
+    begin, end = gaps[:-1], gaps[1:]
+    move = end - begin
+    along = np.sum(move * move, axis=-1)
+    share = np.clip(-np.sum(begin * move, axis=-1) / np.maximum(along, 1e-20), 0.0, 1.0)
+    near = np.linalg.norm(begin + share[..., None] * move, axis=-1)
+    gap = near - attack.radii[:, None] - radii[None, :]
+    there = attack.active(moments)  # the beginning and the end of a sphere's life are knots
+    gap = np.where((there[:-1] & there[1:])[:, :, None], gap, FAR)
+    sag = attack.acceleration * np.diff(attack.times).max(initial=0.0) ** 2 / 8
+    np.minimum.at(result, index[:-1], gap.min(axis=(1, 2)) - sag)
+    return result, float(result.min())

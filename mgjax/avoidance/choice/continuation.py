@@ -1,0 +1,89 @@
+"""What is played after a path until the attack is over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.checks.fast import clearance_between
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.rates import CLEAR_M
+from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import Walk, make_walk
+
+MAX_CONTINUATIONS = 200
+"""Edges that are tried when a walk has to go on past its end without being hit."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Played:
+    """A walk as it would be played, and how near the attack comes."""
+
+    walk: Walk
+    clearance: float
+    clear_until: float | None
+
+
+def play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceConfig) -> Played:
+    """Continues a path along out-edges that stay clear until the attack is over.
+
+    Depth first, longest edge first (fewer seams); after ``MAX_CONTINUATIONS`` edges the longest
+    clear continuation stands and the result says until when it is clear.
+    """
+    until = attack.end + config.settle_s
+    end = float(path.starts(graph)[-1])
+    first = clearance_between(graph, attack, path, 0.0, min(end, until))
+    if first < CLEAR_M:
+        return Played(walk=extend(graph, path, until), clearance=first, clear_until=None)
+    stack = [(path, end, first)]
+    furthest = (path, end, first)
+    tried = 0
+    while stack:
+        walk, end, clear = stack.pop()
+        if end > furthest[1]:
+            furthest = (walk, end, clear)
+        if end >= until:
+            return Played(walk=walk, clearance=clear, clear_until=None)
+        edges = graph.edges_from(int(graph.edge_target[walk.edges[-1]]))
+        edges = edges[np.argsort(graph.edge_frames[edges], kind="stable")]
+        for edge in edges:
+            tried += 1
+            if tried > MAX_CONTINUATIONS:
+                break
+            longer = Walk(edges=np.append(walk.edges, edge), scales=np.append(walk.scales, 1.0))
+            stop = end + float(graph.edge_frames[edge]) / graph.frame_rate
+            # The last stretch before the seam leads to the new edge, so it counts again.
+            seam = end - float(walk.scales[-1]) / graph.frame_rate
+            gap = clearance_between(graph, attack, longer, seam, min(stop, until))
+            if gap >= CLEAR_M:
+                stack.append((longer, stop, min(clear, gap)))
+        if tried > MAX_CONTINUATIONS:
+            break
+    walk, end, clear = max([furthest, *stack], key=lambda item: item[1])
+    return Played(walk=extend(graph, walk, until), clearance=clear, clear_until=end)
+
+
+def extend(graph: MotionGraph, walk: Walk, until: float) -> Walk:
+    """The walk with first out-edges appended until it lasts ``until`` seconds."""
+    edges, scales = list(walk.edges), list(walk.scales)
+    end = float(walk.starts(graph)[-1])
+    while end < until:
+        edge = int(graph.edges_from(int(graph.edge_target[edges[-1]]))[0])
+        edges.append(edge)
+        scales.append(1.0)
+        end += graph.edge_frames[edge] / graph.frame_rate
+    return Walk(edges=np.array(edges), scales=np.array(scales))
+
+
+def idle(graph: MotionGraph, node: int, attack: Attack, config: AvoidanceConfig, seed: int) -> Walk:
+    """A random walk until the attack is over: what plays when nothing avoids."""
+    rng = np.random.default_rng(seed)
+    until = attack.end + config.settle_s
+    edges = [int(rng.choice(graph.edges_from(node)))]
+    end = graph.edge_frames[edges[0]] / graph.frame_rate
+    while end < until:
+        edges.append(int(rng.choice(graph.edges_from(int(graph.edge_target[edges[-1]])))))
+        end += graph.edge_frames[edges[-1]] / graph.frame_rate
+    return make_walk(graph, edges)

@@ -1,0 +1,134 @@
+"""The answer to an attack: the chosen walk, its motion, and the proof that it is clear."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Literal
+
+import numpy as np
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.body.spheres import preset_spheres
+from mgjax.avoidance.checks.written import Trace, clearance, trace_motion, walk_motion
+from mgjax.avoidance.choice.choosing import choose
+from mgjax.avoidance.choice.continuation import extend
+from mgjax.avoidance.choice.results import Choice
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.index.index import GridIndex
+from mgjax.avoidance.rates import CLEAR_M
+from mgjax.avoidance.timing.time_warp import (
+    TimeWarp,
+    linear_warp,
+    natural_starts,
+    part_moments,
+    smooth_warp,
+)
+from mgjax.core.motion import Motion
+from mgjax.graph.types import MotionGraph
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Selection(Choice):
+    """The answer to an attack: a choice, and its motion.
+
+    ``status`` and ``clearance_m`` are those of the motion as it is written; ``walk`` has the scales
+    of eq. 3, also where it is played smoothly.
+
+    Attributes:
+        warp: how the motion plays the walk: ``linear``, with one speed per edge, where that is
+            asked for, where the attack would touch the smooth form, and where nothing is avoided.
+        timing: which moment of the walk as captured the motion shows when.
+        motion: from now until the attack is over, in the planar frame of its first pose.
+        trace: the body's spheres over that motion.
+    """
+
+    warp: Literal["smooth", "linear"]
+    timing: TimeWarp
+    motion: Motion
+    trace: Trace
+
+
+def select(
+    graph: MotionGraph,
+    node: int,
+    attack: Attack,
+    *,
+    config: AvoidanceConfig | None = None,
+    seed: int = 0,
+    index: GridIndex | None = None,
+) -> Selection:
+    """Chooses and time-scales the walk that avoids an attack with the least movement.
+
+    The character stands at ``node`` now, and the path begins now. Candidates are all walks to an
+    avoidance part whose middle is within T_window/2 of the middle of the cropped attack (eq. 1);
+    each is scaled in time to meet it (eq. 3) and judged by its energies (eq. 10). In the order of
+    their energy they are checked exactly, by forward kinematics, against the whole attack, and the
+    first that stays clear wins. What follows its end is chosen so that it stays clear until
+    ``settle_s`` after the attack.
+
+    Args:
+        graph: a motion graph with labelled avoidance parts.
+        node: where the character stands.
+        attack: in the planar frame of the body at the node.
+        config: settings.
+        seed: for the walk that is taken where there is no candidate.
+        index: the graph's grid index, from which candidates are looked up (§5.1); without it, or
+            where it holds none that is clear, they are enumerated.
+
+    Raises:
+        AttackError: the attack is not finite, or begins inside the body.
+        ConfigError: no such node, or a setting out of range.
+    """
+    config = config or AvoidanceConfig()
+    return write(
+        graph, attack, choose(graph, node, attack, config=config, seed=seed, index=index), config
+    )
+
+
+def write(graph: MotionGraph, attack: Attack, choice: Choice, config: AvoidanceConfig) -> Selection:
+    """Makes the motion of a choice, and checks that very motion once more.
+
+    Its clearance, and so the status, come from the forward kinematics of what is written. A choice
+    that is clear is played smoothly if it is clear then, too.
+    """
+    linear, smooth = both_timings(graph, choice)
+    if config.warp == "smooth" and choice.status == "avoided":
+        found = _write(graph, attack, choice, config, "smooth", smooth)
+        if found.status == "avoided":
+            return found
+    return _write(graph, attack, choice, config, "linear", linear)
+
+
+def both_timings(graph: MotionGraph, choice: Choice) -> tuple[TimeWarp, TimeWarp]:
+    """How a walk is played with one speed per edge, and smoothly."""
+    linear = linear_warp(graph, choice.walk)
+    if choice.part is None or choice.crop is None:
+        return linear, linear
+    middle = part_moments(graph, choice.walk, choice.path_length, choice.part)[1:2]
+    t_avoid = float(linear.when(middle)[0])
+    return linear, smooth_warp(linear, t_avoid, (choice.crop.start, choice.crop.end))
+
+
+def _write(
+    graph: MotionGraph,
+    attack: Attack,
+    choice: Choice,
+    config: AvoidanceConfig,
+    form: Literal["smooth", "linear"],
+    timing: TimeWarp,
+) -> Selection:
+    spheres = preset_spheres(graph.skeleton)
+    until = attack.end + config.settle_s
+    walk = choice.walk
+    if form == "smooth":  # it may come further within that time
+        short = float(timing.at(np.array([until]))[0] - natural_starts(graph, walk)[-1])
+        walk = extend(graph, walk, float(walk.starts(graph)[-1]) + short)
+    motion = walk_motion(graph, walk, until, timing if form == "smooth" else None)
+    trace = trace_motion(graph, spheres, motion)
+    exact = None if choice.part is None else clearance(attack, trace, spheres.radii)[1]
+    status = choice.status
+    if exact is not None:
+        status = "avoided" if choice.status == "avoided" and exact >= CLEAR_M else "hit"
+    chosen = {field.name: getattr(choice, field.name) for field in fields(choice)}
+    chosen |= {"status": status, "clearance_m": exact, "walk": walk}
+    return Selection(**chosen, warp=form, timing=timing, motion=motion, trace=trace)

@@ -1,0 +1,1 @@
+"""Which attacks a graph avoids: thousands of throws, and what they say of it."""

@@ -1,0 +1,100 @@
+"""Shares of the attacks of a coverage, how sure they are, and the cells served worst."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from mgjax.avoidance.coverage.throws import Coverage
+from mgjax.avoidance.many.attacks import AVOIDED, HIT, NO_CANDIDATE
+
+
+def shares(found: Coverage, mask: Bool[np.ndarray, " B"]) -> dict[str, Any]:
+    """What became of some attacks.
+
+    ``no_time_scale`` is the part of ``no_candidate`` in which walks satisfy eq. 1 but none can be
+    scaled to meet the attack. The interval allows for attacks at one node having like outcomes.
+    """
+    count = int(mask.sum())
+    status = found.answers.status[mask]
+    avoided = int((status == AVOIDED).sum())
+    unscaled = (status == NO_CANDIDATE) & (found.answers.candidates[mask] > 0)
+    numbers = {
+        "avoided": avoided,
+        "hit": int((status == HIT).sum()),
+        "no_candidate": int((status == NO_CANDIDATE).sum()),
+        "no_time_scale": int(unscaled.sum()),
+    }
+    kinds = np.bincount(found.kind[mask] + 1, minlength=len(found.kinds) + 1)[1:]
+    return {
+        "attacks": count,
+        **{name: round(number / count, 4) for name, number in numbers.items()},
+        "avoided_interval": interval(avoided / count, _independent(found, mask)),
+        "kinds": {
+            kind: round(int(n) / count, 4) for kind, n in zip(found.kinds, kinds, strict=True)
+        },
+    }
+
+
+def interval(share: float, count: float) -> list[float]:
+    """The 95 % interval of a share of ``count`` independent outcomes (Wilson's score interval)."""
+    z = 1.959964
+    middle = share + z * z / (2 * count)
+    half = z * np.sqrt(share * (1 - share) / count + z * z / (4 * count * count))
+    ends = np.array([middle - half, middle + half]) / (1 + z * z / count)
+    return np.clip(ends, 0.0, 1.0).round(4).tolist()
+
+
+def _independent(found: Coverage, mask: Bool[np.ndarray, " B"]) -> float:
+    """How many independent attacks would say as much: their number by Kish's design effect.
+
+    That is the variance of the share with whole nodes drawn, over that with attacks drawn. Where
+    all have the same outcome it is unknown, and only the nodes count.
+    """
+    _, place = np.unique(found.node[mask], return_inverse=True)
+    avoided = (found.answers.status[mask] == AVOIDED).astype(np.float64)
+    count, nodes, share = len(avoided), int(place.max()) + 1, float(avoided.mean())
+    if nodes == 1 or share in (0.0, 1.0):
+        return float(nodes)
+    together = np.square(np.bincount(place, weights=avoided - share)).sum() * nodes / (nodes - 1)
+    return count / max(together / (count * share * (1 - share)), 1.0)
+
+
+def outcomes(found: Coverage) -> dict[str, Bool[np.ndarray, " B"]]:
+    """Which attacks were avoided, hit or had no candidate, and which kind avoided them."""
+    status = found.answers.status
+    named = {"avoided": status == AVOIDED, "hit": status == HIT}
+    named["no_candidate"] = status == NO_CANDIDATE
+    return named | {f"kind/{kind}": found.kind == i for i, kind in enumerate(found.kinds)}
+
+
+def cells(found: Coverage, mask: Bool[np.ndarray, " B"]) -> Float[np.ndarray, "D H"]:
+    """Share of the attacks of each direction and height that are of a kind; NaN of none."""
+    thrown, counted = _count(found, np.ones_like(mask)), _count(found, mask)
+    return np.divide(counted, thrown, out=np.full(thrown.shape, np.nan), where=thrown > 0)
+
+
+def worst_cells(found: Coverage, most: int = 8) -> list[tuple[int, int]]:
+    """Directions and heights served worst, worst first.
+
+    Only those count whose whole 95 % interval lies below the share of all attacks, so that a cell
+    is not named for having had bad luck with its nodes.
+    """
+    avoided = found.answers.status == AVOIDED
+    share = cells(found, avoided)
+    thrown, counted = _count(found, np.ones_like(avoided)), _count(found, avoided)
+    order = np.argsort(share, axis=None, kind="stable")  # NaN last
+    worst: list[tuple[int, int]] = []
+    for place in zip(*np.unravel_index(order, share.shape), strict=True):
+        number = int(thrown[place])
+        if number and interval(float(counted[place]) / number, number)[1] < avoided.mean():
+            worst.append((int(place[0]), int(place[1])))
+    return worst[:most]
+
+
+def _count(found: Coverage, mask: Bool[np.ndarray, " B"]) -> Int[np.ndarray, "D H"]:
+    counts = np.zeros((len(found.directions), len(found.heights)), dtype=np.int64)
+    np.add.at(counts, (found.direction[mask], found.height[mask]), 1)
+    return counts

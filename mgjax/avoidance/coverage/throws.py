@@ -1,0 +1,206 @@
+"""Which attacks a graph can answer: balls from all around, at many nodes, answered in batches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from jaxtyping import Float, Int
+from tqdm import tqdm
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.body.device_tables import search_tables
+from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.avoidance.many.attacks import AVOIDED, BatchSelection, select_batch
+from mgjax.core.errors import ConfigError, GraphError
+from mgjax.graph.types import MotionGraph
+
+HEIGHTS_M = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7)
+"""Where balls pass the body's axis: from the shins to the head."""
+ARRIVALS_S = (0.8, 1.2, 1.6)
+DISTANCE_M = 5.0
+"""From where a ball is thrown to the body's axis."""
+NO_KIND = -1
+MOST_ATTACKS = 1_000_000
+
+_CHUNK = 1024
+"""Attacks between two steps of the progress bar; fewer leave groups of equal shapes unfilled."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Coverage:
+    """Balls thrown at a character at many nodes, and the answers to them.
+
+    Attributes:
+        directions: where balls come from, rad from ahead towards the left. [D]
+        heights: at the body's axis, m, ascending. [H]
+        arrivals: seconds from now until a ball is at the axis, ascending. [A]
+        speed: of the balls, m/s.
+        window: T of eq. 1, s.
+        node: where the character stands. [B]
+        direction, height, arrival: indices into the above. [B]
+        answers: what became of each ball. [B]
+        kinds: of the graph's avoidance parts, sorted.
+        kind: index of the kind that avoids, or ``NO_KIND``. [B]
+        nearest_part: of every node of the graph, s; see
+            :class:`mgjax.avoidance.body.edge_tables.EdgeTables`. [N]
+    """
+
+    directions: Float[np.ndarray, " D"]
+    heights: Float[np.ndarray, " H"]
+    arrivals: Float[np.ndarray, " A"]
+    speed: float
+    window: float
+    node: Int[np.ndarray, " B"]
+    direction: Int[np.ndarray, " B"]
+    height: Int[np.ndarray, " B"]
+    arrival: Int[np.ndarray, " B"]
+    answers: BatchSelection
+    kinds: tuple[str, ...]
+    kind: Int[np.ndarray, " B"]
+    nearest_part: Float[np.ndarray, " N"]
+
+    def __len__(self) -> int:
+        return len(self.node)
+
+
+def coverage(
+    graph: MotionGraph,
+    *,
+    directions: int = 16,
+    heights: Sequence[float] = HEIGHTS_M,
+    arrivals: Sequence[float] = ARRIVALS_S,
+    nodes: int = 256,
+    seed: int = 0,
+    speed: float = 10.0,
+    config: AvoidanceConfig | None = None,
+    progress: bool = False,
+) -> Coverage:
+    """Throws straight balls at the body's axis from all around, and answers them.
+
+    At each node one ball comes from every direction: ``directions * nodes`` in all. Heights and
+    times of arrival are dealt out, so that each pair of them comes from each direction equally
+    often (to within one); that says more about a graph than all of them at fewer nodes would.
+
+    Args:
+        graph: a motion graph with labelled avoidance parts.
+        directions: how many, evenly spaced; the first is straight ahead.
+        heights: at the body's axis, m.
+        arrivals: seconds from now until a ball is at the axis.
+        nodes: how many, drawn without repetition; all of them again where the graph has fewer.
+        seed: draws the nodes and deals.
+        speed: of the balls, m/s.
+        config: settings of the search.
+        progress: shows a bar on stderr.
+
+    Raises:
+        ConfigError: a count below 1, or a number out of range.
+        GraphError: no part of the graph is labelled as an avoidance.
+        AttackError: a ball would already be inside the body.
+    """
+    config = config or AvoidanceConfig()
+    validate_config(config)
+    _validate(directions, heights, arrivals, nodes, seed, speed, config)
+    if not len(graph.label_edge):
+        raise GraphError(
+            "got a graph without avoidance parts, expected one that was built with labels"
+        )
+    angles = 2 * np.pi * np.arange(directions) / directions
+    high, late = np.unique(np.asarray(heights, float)), np.unique(np.asarray(arrivals, float))
+    nearest = search_tables(graph, config.body_rate, config.speed)[0].nearest_part
+    node, direction, dealt = _deal(nearest, directions, nodes, len(high) * len(late), seed)
+    height, arrival = dealt % len(high), dealt // len(high)
+    some = max(_CHUNK // directions, 1) * directions
+    answers: list[BatchSelection] = []
+    bar = tqdm(total=len(node), desc="attacks", unit="ball", disable=not progress, leave=False)
+    with bar:
+        for first in range(0, len(node), some):
+            part = slice(first, first + some)
+            balls = [
+                _ball(float(angles[d]), float(high[h]), float(late[a]), speed)
+                for d, h, a in zip(direction[part], height[part], arrival[part], strict=True)
+            ]
+            answers.append(select_batch(graph, node[part], balls, config=config))
+            bar.update(len(balls))
+    joined = _join(answers)
+    kinds, kind_of_part = np.unique(np.array(graph.label_kind), return_inverse=True)
+    return Coverage(
+        directions=angles,
+        heights=high,
+        arrivals=late,
+        speed=float(speed),
+        window=float(config.T_window),
+        node=node,
+        direction=direction,
+        height=height,
+        arrival=arrival,
+        answers=joined,
+        kinds=tuple(kinds.tolist()),
+        kind=np.where(joined.status == AVOIDED, kind_of_part[joined.part], NO_KIND),
+        nearest_part=nearest,
+    )
+
+
+def _deal(
+    nearest_part: Float[np.ndarray, " N"], directions: int, nodes: int, hand: int, seed: int
+) -> tuple[Int[np.ndarray, " B"], Int[np.ndarray, " B"], Int[np.ndarray, " B"]]:
+    """Node, direction and one of ``hand`` pairs of height and arrival, for each ball.
+
+    Of nodes with about the same way to a part each pair gets one, from every direction. So cells
+    differ by what their balls are, not by where the character happened to stand.
+    """
+    rng = np.random.default_rng(seed)
+    there = len(nearest_part)
+    rounds = [rng.permutation(there) for _ in range(-(-nodes // there))]
+    chosen = np.concatenate(rounds)[:nodes]
+    chosen = chosen[np.argsort(nearest_part[chosen], kind="stable")]
+    hands = rng.random((directions, -(-nodes // hand), hand)).argsort(axis=-1)
+    dealt = hands.reshape(directions, -1)[:, :nodes].T
+    return np.repeat(chosen, directions), np.tile(np.arange(directions), nodes), dealt.ravel()
+
+
+def _ball(angle: float, height: float, arrives: float, speed: float) -> Attack:
+    at = np.array([0.0, height, 0.0])
+    start = at + DISTANCE_M * np.array([np.sin(angle), 0.0, np.cos(angle)])
+    return ball_attack(start, at, speed=speed, arrives=arrives)
+
+
+def _join(answers: list[BatchSelection]) -> BatchSelection:
+    names = [field.name for field in fields(BatchSelection)]
+    return BatchSelection(
+        **{name: np.concatenate([getattr(some, name) for some in answers]) for name in names}
+    )
+
+
+def _validate(
+    directions: int,
+    heights: Sequence[float],
+    arrivals: Sequence[float],
+    nodes: int,
+    seed: int,
+    speed: float,
+    config: AvoidanceConfig,
+) -> None:
+    """Raises :class:`ConfigError` naming the first argument that is out of range."""
+    for name, count in (("directions", directions), ("nodes", nodes)):
+        if count < 1:
+            raise ConfigError(f"got {count} {name}, expected at least 1")
+    if directions * nodes > MOST_ATTACKS:
+        raise ConfigError(
+            f"got {directions} directions at {nodes} nodes, expected at most {MOST_ATTACKS} balls"
+        )
+    if seed < 0:
+        raise ConfigError(f"got seed {seed}, expected 0 or more")
+    if not 0 < speed <= 1000:
+        raise ConfigError(f"got speed {speed:g} m/s, expected more than 0 and at most 1000")
+    for name, values, low, high in (
+        ("height", heights, 0.0, config.crop_height_m),
+        ("arrival", arrivals, 1e-3, 50.0),
+    ):
+        if not len(values):
+            raise ConfigError(f"got no {name}, expected at least one")
+        for value in values:
+            if not low <= value <= high:
+                raise ConfigError(f"got {name} {value:g}, expected {low:g} … {high:g}")

@@ -1,0 +1,109 @@
+"""Slices as a step of the selection (§5.2): timed candidates where the attack is are dropped."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache, partial
+
+import jax
+import numpy as np
+from jaxtyping import Float, Int
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.crop import Crop
+from mgjax.avoidance.body.device_tables import PART_CENTRE, DeviceTables, search_tables
+from mgjax.avoidance.body.edge_tables import edge_tables
+from mgjax.avoidance.body.volumes import read_edges
+from mgjax.avoidance.candidates.batch import Walks, pad_candidates
+from mgjax.avoidance.candidates.enumerate import Candidates
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.culling.cull import cull
+from mgjax.avoidance.culling.pictures import Form, Slices, build_slices
+from mgjax.avoidance.timing.time_scale import OK, UNLIMITED, Timing, time_scale
+from mgjax.core.arrays import Array
+from mgjax.core.xla.padding import pad_axis
+from mgjax.graph.types import MotionGraph
+
+PIXELS: dict[Form, int] = {"paper": 96, "binned": 32}
+"""Most pixels in which a candidate that is kept overlaps the attack. Where false culls and false
+keeps of ``experiments/avoidance/culling.py`` balance."""
+
+
+@lru_cache(maxsize=4)
+def graph_slices(graph: MotionGraph, body_rate: float) -> Slices:
+    """The slices of a graph, kept: they are drawn once for all attacks."""
+    return jax.device_put(build_slices(edge_tables(graph, body_rate)))
+
+
+def without_culled(
+    graph: MotionGraph,
+    candidates: Candidates,
+    attack: Attack,
+    crop: Crop,
+    form: Form,
+    config: AvoidanceConfig,
+) -> tuple[Candidates, int]:
+    """The candidates that are kept, and how many are dropped.
+
+    Those that cannot be timed are kept: nothing is known of when they would play what.
+    """
+    count = len(candidates.length)
+    if not count:
+        return candidates, 0
+    status, scales = timing_of(graph, candidates, crop, config)
+    keep = cull(
+        graph_slices(graph, config.body_rate),
+        candidates,
+        scales,
+        attack,
+        crop,
+        form=form,
+        threshold=PIXELS[form],
+    )
+    keep = keep | (status != OK)
+    kept = replace(
+        candidates,
+        edges=candidates.edges[keep],
+        length=candidates.length[keep],
+        part=candidates.part[keep],
+    )
+    return kept, int(count - keep.sum())
+
+
+def timing_of(
+    graph: MotionGraph, candidates: Candidates, crop: Crop, config: AvoidanceConfig
+) -> tuple[Int[np.ndarray, " C"], Float[np.ndarray, "C L"]]:
+    """Status and scales of candidates (eqs 2–3), without their energies."""
+    _, device = search_tables(graph, config.body_rate, config.speed)
+    timing = _timing(
+        device,
+        pad_candidates(candidates),
+        np.asarray(crop.middle, dtype=np.float32),
+        np.asarray(config.energy.E_time if config.limit_scale else UNLIMITED, dtype=np.float32),
+        half_frame=0.5 / graph.frame_rate,
+    )
+    count, width = candidates.edges.shape
+    scales = np.asarray(timing.scales)[:width, :count].T
+    return np.asarray(timing.status)[:count], pad_axis(scales, width, axis=1, value=1)
+
+
+@partial(jax.jit, static_argnames="half_frame")
+def _timing(
+    tables: DeviceTables,
+    walks: Walks,
+    t_attack: Float[Array, ""],
+    limit: Float[Array, ""],
+    *,
+    half_frame: float,
+) -> Timing:
+    read = read_edges(tables, walks.edges)
+    return time_scale(
+        read.seconds,
+        read.slow_down > 0,
+        read.speed_up > 0,
+        walks.length,
+        tables.parts[walks.part, PART_CENTRE],
+        t_attack,
+        half_frame=half_frame,
+        limit=limit,
+    )

@@ -1,0 +1,1 @@
+"""Many attacks at once, and one attack under many settings."""

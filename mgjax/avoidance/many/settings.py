@@ -1,0 +1,187 @@
+"""One attack under many settings of the energies: each answer is that of a search of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.crop import Crop, crop_attack
+from mgjax.avoidance.body.device_tables import search_tables
+from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
+from mgjax.avoidance.choice.start import validate_start
+from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, validate_config
+from mgjax.avoidance.many.attacks import AVOIDED, HIT, NO_CANDIDATE
+from mgjax.avoidance.many.lazy_checks import Question, ask
+from mgjax.avoidance.many.reweight import CLEAR, NONE, UNKNOWN, Picked
+from mgjax.core.errors import ConfigError
+from mgjax.core.xla.padding import bucket_size, pad_axis
+from mgjax.graph.types import MotionGraph
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Swept:
+    """What each setting chooses against one attack.
+
+    Attributes:
+        status: ``AVOIDED``, ``HIT`` or ``NO_CANDIDATE`` of :mod:`mgjax.avoidance.many.attacks`. [G]
+        number: the chosen candidate, or −1. [G]
+        time_scale, clearance: of the chosen walk, as a search reports them; NaN without one. [G]
+        penetration, d, d0: of the chosen walk (eqs 4–7); NaN without one. [G]
+        avoidance, body, timescale, total: its energies; NaN without one. [G]
+        usable: candidates that can be timed. [G]
+        apart: those of them whose sampled clearance is not negative. [G]
+        saturated: how many of the latter have an avoidance energy of 0, of 1, and a body energy of
+            1. [G, 3]
+        candidates: those that satisfy eq. 1; None where the attack never comes near.
+        crop: the part of the attack that counted, or None.
+    """
+
+    status: Int[np.ndarray, " G"]
+    number: Int[np.ndarray, " G"]
+    time_scale: Float[np.ndarray, " G"]
+    clearance: Float[np.ndarray, " G"]
+    penetration: Float[np.ndarray, " G"]
+    d: Float[np.ndarray, " G"]
+    d0: Float[np.ndarray, " G"]
+    avoidance: Float[np.ndarray, " G"]
+    body: Float[np.ndarray, " G"]
+    timescale: Float[np.ndarray, " G"]
+    total: Float[np.ndarray, " G"]
+    usable: Int[np.ndarray, " G"]
+    apart: Int[np.ndarray, " G"]
+    saturated: Int[np.ndarray, "G 3"]
+    candidates: Candidates | None
+    crop: Crop | None
+
+    def part(self, setting: int) -> int | None:
+        """The avoidance part that a setting chooses, or None."""
+        number = self.number[setting]
+        return None if number < 0 or self.candidates is None else int(self.candidates.part[number])
+
+    def path(self, setting: int) -> tuple[int, ...]:
+        """The edges of the path that a setting chooses; none without a candidate."""
+        number = self.number[setting]
+        if number < 0 or self.candidates is None:
+            return ()
+        length = self.candidates.length[number]
+        return tuple(self.candidates.edges[number, :length].tolist())
+
+
+def sweep_energies(
+    graph: MotionGraph,
+    node: int,
+    attack: Attack,
+    energies: Sequence[EnergyConfig],
+    *,
+    config: AvoidanceConfig | None = None,
+) -> Swept:
+    """What :func:`mgjax.avoidance.choice.choosing.choose` answers under each of many settings, at
+    once.
+
+    Candidates are enumerated, timed and judged once, and bounded once; one compiled call ranks them
+    again for all settings. Only candidates that a setting would choose and whose bounds leave a
+    doubt are looked at closer, each of them once.
+
+    Args:
+        graph: a motion graph with labelled avoidance parts.
+        node: where the character stands.
+        attack: in the planar frame of the body at the node.
+        energies: the settings, all with the same ``form`` and ``d0``.
+        config: all other settings; its ``energy`` is not used.
+
+    Raises:
+        AttackError: the attack is not finite, or begins inside the body.
+        ConfigError: no such node, a setting out of range, slices, or settings of more than one
+            form.
+    """
+    config = config or AvoidanceConfig()
+    if config.culling != "none":
+        raise ConfigError(f"got culling = {config.culling!r}, expected none in a sweep")
+    grid = _stack(energies, config)
+    tables, _ = search_tables(graph, config.body_rate, config.speed)
+    validate_start(graph, tables, node, attack)
+    count = len(energies)
+    crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
+    if crop is None:
+        return _no_answers(count, None, None)
+    candidates = enumerate_candidates(
+        graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
+    )
+    if not len(candidates.length):
+        return _no_answers(count, candidates, crop)
+    form, limit = energies[0].form, float(np.max(grid.E_time))
+    question = ask(graph, node, attack, crop, candidates, config, form, limit)
+    picked = question.pick(grid)
+    while True:
+        numbers = np.setdiff1d(np.asarray(picked.number), [NONE])
+        doubtful = numbers[question.verdict[numbers] == UNKNOWN]
+        if not len(doubtful):
+            return _answers(question, picked, count)
+        question.look_closer(doubtful)
+        picked = question.pick(grid)
+
+
+def _stack(energies: Sequence[EnergyConfig], config: AvoidanceConfig) -> EnergyConfig:
+    """Settings as one whose numbers are arrays, padded to few sizes by the last."""
+    if not energies:
+        raise ConfigError("got no settings of the energies, expected one or more")
+    kinds = {(energy.form, energy.d0) for energy in energies}
+    if len(kinds) > 1:
+        raise ConfigError(f"got settings of {len(kinds)} forms, expected one form and one d0")
+    for energy in energies:
+        validate_config(replace(config, energy=energy))
+    size = bucket_size(len(energies), 8)
+    names = [field.name for field in fields(EnergyConfig) if field.name not in ("form", "d0")]
+    columns = {
+        name: pad_axis(np.array([getattr(e, name) for e in energies], dtype=np.float32), size)
+        for name in names
+    }
+    # The form is that of the judged candidates; here it would only compile anew.
+    return replace(EnergyConfig(d0=energies[0].d0), **columns)
+
+
+def _no_answers(count: int, candidates: Candidates | None, crop: Crop | None) -> Swept:
+    whole = {"status": NO_CANDIDATE, "number": NONE, "usable": 0, "apart": 0}
+    numbers = {name: np.full(count, np.nan) for name in _NUMBERS}
+    return Swept(
+        **{name: np.full(count, value) for name, value in whole.items()},
+        **numbers,
+        saturated=np.zeros((count, 3), np.int64),
+        candidates=candidates,
+        crop=crop,
+    )
+
+
+_ENERGIES = ("avoidance", "body", "timescale", "total")
+_NUMBERS = ("time_scale", "clearance", "penetration", "d", "d0", *_ENERGIES)
+
+
+def _answers(question: Question, picked: Picked, count: int) -> Swept:
+    """What was picked, without the padding."""
+    number = np.asarray(picked.number)[:count].astype(np.int64)
+    there = number != NONE
+    judged = question.judged
+    of_candidates = {
+        "time_scale": judged.timing.s_time,
+        "clearance": question.clearance,
+        "penetration": judged.energies.penetration,
+        "d": judged.energies.d,
+        "d0": judged.energies.d0,
+    }
+    found = {name: np.asarray(x)[number] for name, x in of_candidates.items()}
+    found |= {name: np.asarray(getattr(picked, name))[:count] for name in _ENERGIES}
+    clear = question.verdict[number] == CLEAR
+    return Swept(
+        status=np.where(there, np.where(clear, AVOIDED, HIT), NO_CANDIDATE),
+        number=number,
+        **{name: np.where(there, x, np.nan).astype(np.float64) for name, x in found.items()},
+        usable=np.asarray(picked.usable)[:count],
+        apart=np.asarray(picked.apart)[:count],
+        saturated=np.asarray(picked.saturated)[:count],
+        candidates=question.candidates,
+        crop=question.crop,
+    )

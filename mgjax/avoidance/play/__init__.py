@@ -1,0 +1,1 @@
+"""A character that plays on while attacks come and answers are searched for (§6)."""

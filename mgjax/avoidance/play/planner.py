@@ -1,0 +1,288 @@
+"""Real-time playback of a graph with a search for avoidance in the background (§6)."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from mgjax.avoidance.attacks.attack import Attack, validate_attack
+from mgjax.avoidance.attacks.transform import moved, retimed, since
+from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.avoidance.play.clocks import Clock, Searches, SimulatedClock, SimulatedSearches, Ticket
+from mgjax.avoidance.play.several_attacks import Path, find_path, played_clearance
+from mgjax.avoidance.play.timeline import Timeline
+from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
+from mgjax.core import planar
+from mgjax.core.errors import AttackError, ConfigError
+from mgjax.core.motion import Motion
+from mgjax.graph.types import MotionGraph
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What became of one attack.
+
+    Attributes:
+        number: of the attack, counted from 0.
+        known: when it became known, s on the planner's clock.
+        status: ``superseded``: a later attack came before this one's search had ended. Else by the
+            exact check of what was really played: ``hit`` or ``avoided``.
+        search: how the search ended: as :class:`mgjax.avoidance.choice.choosing.Choice` says, or
+            ``late``: not before the attack was over or a later one superseded it.
+        hit: the exact check of what was played, also for superseded attacks.
+        clearance_m: signed distance of attack and body over what was played since it was known.
+        restarts: how often an edge ended before the search.
+        waited: seconds from its becoming known until a frame noticed the search's end, or None.
+    """
+
+    number: int
+    known: float
+    status: Literal["avoided", "hit", "superseded"]
+    search: Literal["avoided", "hit", "no_candidate", "late"]
+    hit: bool
+    clearance_m: float
+    restarts: int
+    waited: float | None
+
+
+@dataclass(eq=False)
+class _Thrown:
+    """An attack under way, in the world."""
+
+    number: int
+    known: float
+    attack: Attack
+    search: Literal["avoided", "hit", "no_candidate", "late"] = "late"
+    superseded: bool = False
+    restarts: int = 0
+    waited: float | None = None
+    check: Ticket | None = field(default=None, repr=False)
+
+
+class Planner:
+    """Plays a walk without end and gets the body out of the way of attacks.
+
+    While nothing comes, the next edge is drawn at random. An attack starts a search for the node at
+    which the edges decided so far end (mostly the end of the one being played), with the attack in
+    that node's planar frame and its time counted from the beginning of the path. What the search
+    finds is spliced in there; when the walk ends, after the attack is over, random play goes on.
+
+    When the next edge has to be known before the search has ended, it is drawn at random (or comes
+    from the path of an earlier attack). Candidates that do not start with it are dropped, and those
+    that do lose it (§6). That leaves the same candidates as an enumeration from the node where the
+    drawn edge ends: t_avoid and t_attack both shrink by its duration, so eq. 1 keeps the same
+    walks, and s_time and energies follow from what remains. The search therefore begins again from
+    that node (``restarts``), which also crops the attack around where the body will be by then. So
+    that edges shorter than a search cannot postpone it for ever, edges are drawn ahead before a new
+    beginning until twice the time is left that the search has had.
+
+    Later attacks: the newest one is searched for. One whose search has not ended is superseded. All
+    that are still under way join the search: of the candidates for the newest the best that is
+    clear of every one of them is taken; if there is none, the newest counts. A path that would be
+    hit replaces no other that is still being played.
+
+    Every attack is answered once, when it is over, by the exact check of the motion as it was
+    played. All methods are to be called from one thread; only :meth:`finish` and :meth:`close`
+    wait. What was played is kept (``timeline``), a few numbers for each edge.
+
+    Args:
+        graph: a motion graph with labelled avoidance parts.
+        clock: ``now()`` in seconds since playback began; default: a simulated one.
+        searches: where searches run; default: simulated, without latency.
+        config: settings of the search.
+        seed: of the edges that are drawn, and of the first node.
+        node: where the body stands at 0 s; default: drawn.
+        start: its planar frame in the world; default: at the origin, heading +Z.
+    """
+
+    def __init__(
+        self,
+        graph: MotionGraph,
+        *,
+        clock: Clock | None = None,
+        searches: Searches | None = None,
+        config: AvoidanceConfig | None = None,
+        seed: int = 0,
+        node: int | None = None,
+        start: Float[np.ndarray, "3"] | None = None,
+    ) -> None:
+        self._graph = graph
+        self._clock: Clock = clock or SimulatedClock()
+        self._searches: Searches = searches or SimulatedSearches()
+        self._config = config or AvoidanceConfig()
+        validate_config(self._config)
+        self._rng = np.random.default_rng(seed)
+        first = int(self._rng.integers(graph.num_nodes)) if node is None else node
+        if not 0 <= first < graph.num_nodes:
+            raise ConfigError(f"got node {first}, expected 0 … {graph.num_nodes - 1}")
+        self.timeline = Timeline(graph, first, start)
+        self.answers: list[Answer] = []
+        self.attacks = 0
+        self._plan: deque[tuple[int, float]] = deque()
+        self._under_way: list[_Thrown] = []
+        self._pending: tuple[_Thrown, Ticket, float] | None = None
+        self._advance(0.0)
+
+    def frame(self, when: float | None = None) -> Motion:
+        """The pose at ``when`` seconds, default now, in the world, as a motion of one frame.
+
+        Never waits for a search. Times in the past give what was shown then.
+        """
+        now = float(self._clock.now() if when is None else when)
+        self._advance(now)
+        return self.timeline.sample(np.array([now]))
+
+    def attack(self, attack: Attack) -> int:
+        """Makes an attack known now; returns its number.
+
+        Args:
+            attack: in the world, its times on the planner's clock. What lies in the past does not
+                count.
+
+        Raises:
+            AttackError: the attack is malformed, over, or ends later than a minute from now.
+        """
+        now = float(self._clock.now())
+        self._advance(now)
+        validate_attack(retimed(attack, now))
+        left = since(attack, now)
+        if attack.end <= now or not len(left.radii):
+            raise AttackError(f"got an attack that is over at {now:g} s, expected one under way")
+        thrown = _Thrown(number=self.attacks, known=now, attack=left)
+        self.attacks += 1
+        if self._pending is not None:
+            before, ticket, _ = self._pending
+            before.superseded = True
+            ticket.cancel(now)
+        self._under_way.append(thrown)
+        self._begin_search(thrown, now)
+        self._advance(now)
+        return thrown.number
+
+    def counts(self) -> dict[str, int]:
+        """How many attacks there were; answered in which way; not yet; and how many hit at all."""
+        found: dict[str, int] = {"attacks": self.attacks}
+        for status in ("avoided", "hit", "superseded"):
+            found[status] = sum(answer.status == status for answer in self.answers)
+        found["open"] = len(self._under_way)
+        found["touched"] = sum(answer.hit for answer in self.answers)
+        found["restarts"] = sum(answer.restarts for answer in self.answers)
+        return found
+
+    def finish(self) -> list[Answer]:
+        """Plays on until all attacks are over, waits for their checks and returns all answers.
+
+        The clock need not move on; a search that is not done by then is late.
+        """
+        if self._under_way:
+            end = max(thrown.attack.end for thrown in self._under_way) + 2 / EXPORT_RATE
+            self._advance(max(end, self._clock.now()))
+            self._collect(end, wait=True)
+        return self.answers
+
+    def close(self) -> None:
+        """Ends the searches; a call that is running is waited for."""
+        self._searches.close()
+
+    def _advance(self, now: float) -> None:
+        """All that happens up to ``now``, in its order: searches end, edges are decided."""
+        while True:
+            deadline = self.timeline.deadline
+            if self._pending is not None:
+                thrown, ticket, _ = self._pending
+                if ticket.done(min(now, deadline)):
+                    self._pending = None  # also if the search raises: playback can go on
+                    self._accept(thrown, ticket.result(), min(now, deadline))
+                    continue
+            if deadline > now:
+                break
+            self._decide()
+            if self._pending is not None:
+                self._restart(deadline)
+        self._collect(now)
+
+    def _decide(self) -> None:
+        """The next edge: from the path that is being played, else a random one."""
+        if self._plan:
+            edge, scale = self._plan.popleft()
+        else:
+            edge, scale = int(self._rng.choice(self._graph.edges_from(self.timeline.node))), 1.0
+        self.timeline.append(edge, scale)
+
+    def _restart(self, now: float) -> None:
+        """An edge was decided before the search ended: it begins again from where that ends."""
+        assert self._pending is not None
+        thrown, ticket, begun = self._pending
+        ticket.cancel(now)
+        thrown.restarts += 1
+        until = min(now + 2 * (now - begun), thrown.attack.end)
+        while self.timeline.deadline < until:
+            self._decide()
+        self._begin_search(thrown, now)
+
+    def _begin_search(self, thrown: _Thrown, now: float) -> None:
+        """Hands in a search for the end of the decided edges, unless the attack is over by then."""
+        self._pending = None
+        line = self.timeline
+        if thrown.attack.end <= line.end:
+            return
+        place = line.frame_at_end()
+        others = [
+            moved(other.attack, place, line.end)
+            for other in self._under_way
+            if other is not thrown and other.attack.end > line.end
+        ]
+        begun = line.between(now, line.end)
+        rest = replace(
+            begun,
+            begins=begun.begins - line.end,
+            start=np.asarray(planar.compose(planar.inverse(place), begun.start)),
+        )
+        attack = moved(thrown.attack, place, line.end)
+        call = partial(find_path, self._graph, line.node, attack, others, self._config, rest)
+        self._pending = (thrown, self._searches.submit(now, call), now)
+
+    def _accept(self, thrown: _Thrown, found: Path, now: float) -> None:
+        thrown.search, thrown.waited = found.status, now - thrown.known
+        if found.walk is not None and (found.status == "avoided" or not self._plan):
+            walk = found.walk
+            self._plan = deque(zip(walk.edges.tolist(), walk.scales.tolist(), strict=True))
+
+    def _collect(self, now: float, *, wait: bool = False) -> None:
+        """Has attacks that are over checked, and answers those whose check has ended."""
+        left = []
+        for thrown in self._under_way:
+            # One written frame more: the check ends with the frame after the attack.
+            if thrown.check is None and now >= thrown.attack.end + 1 / EXPORT_RATE:
+                thrown.check = self._check(thrown, now)
+            if thrown.check is None or not (wait or thrown.check.done(now)):
+                left.append(thrown)
+            else:
+                self.answers.append(_answer(thrown, thrown.check.result()))
+        self._under_way = left
+
+    def _check(self, thrown: _Thrown, now: float) -> Ticket:
+        """Hands in the exact check of what was played while the attack was there."""
+        since = max(thrown.known, thrown.attack.start)
+        piece = self.timeline.between(since - 1 / EXPORT_RATE, thrown.attack.end + 1 / EXPORT_RATE)
+        call = partial(played_clearance, self._graph, piece, thrown.attack, since)
+        return self._searches.submit(now, call, search=False)
+
+
+def _answer(thrown: _Thrown, gap: float) -> Answer:
+    hit = gap < CLEAR_M
+    return Answer(
+        number=thrown.number,
+        known=thrown.known,
+        status="superseded" if thrown.superseded else "hit" if hit else "avoided",
+        search=thrown.search,
+        hit=hit,
+        clearance_m=gap,
+        restarts=thrown.restarts,
+        waited=thrown.waited,
+    )

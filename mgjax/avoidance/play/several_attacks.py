@@ -1,0 +1,130 @@
+"""A path for the newest of several attacks that is also clear of the others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.crop import crop_attack
+from mgjax.avoidance.attacks.transform import moved, retimed
+from mgjax.avoidance.body.device_tables import search_tables
+from mgjax.avoidance.body.spheres import preset_spheres
+from mgjax.avoidance.candidates.enumerate import enumerate_candidates
+from mgjax.avoidance.checks.fast import clearance_between
+from mgjax.avoidance.checks.written import clearance, trace_motion
+from mgjax.avoidance.choice.choosing import choose
+from mgjax.avoidance.choice.continuation import play_on
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.play.timeline import Piece
+from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
+from mgjax.core.errors import AttackError
+from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import Walk, make_walk, sample_walk
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Path:
+    """What a search found.
+
+    Attributes:
+        status: as of :class:`mgjax.avoidance.choice.choosing.Choice`, for the newest attack;
+            ``hit`` also if it reaches the body before the path can begin.
+        walk: what to play; None if nothing avoids better than any other walk.
+        joint: whether the walk is clear of the other attacks, too.
+    """
+
+    status: Literal["avoided", "hit", "no_candidate"]
+    walk: Walk | None
+    joint: bool
+
+
+def find_path(
+    graph: MotionGraph,
+    node: int,
+    attack: Attack,
+    others: Sequence[Attack],
+    config: AvoidanceConfig,
+    rest: Piece,
+) -> Path:
+    """The path of :func:`mgjax.avoidance.choice.choosing.choose`, or one that is clear of all
+    attacks.
+
+    If the selected walk is not clear of the others, the best candidate takes its place that is; if
+    there is none the newest attack counts and the selected walk stays.
+
+    Args:
+        graph, node: where the path begins.
+        attack: the newest, in the planar frame of the node, from the beginning of the path on.
+        others: those that are still under way, in the same frame.
+        config: settings.
+        rest: what is still played until the path begins, in the same frame, and since when (a time
+            before 0).
+    """
+    begun = moved(attack, rest.start, rest.begins)
+    touched = clearance_between(graph, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
+    try:
+        chosen = choose(graph, node, attack, config=config)
+    except AttackError:  # it is in the body where the path would begin
+        return Path(status="hit", walk=None, joint=False)
+    if chosen.status == "no_candidate":
+        return Path(status="hit" if touched else "no_candidate", walk=None, joint=False)
+    joint = _clear(graph, chosen.walk, others)
+    if chosen.status == "avoided" and not joint:
+        walk = _clear_of_all(graph, node, attack, others, config)
+        if walk is not None:
+            return Path(status="hit" if touched else "avoided", walk=walk, joint=True)
+    return Path(status="hit" if touched else chosen.status, walk=chosen.walk, joint=joint)
+
+
+def _clear(graph: MotionGraph, walk: Walk, attacks: Sequence[Attack]) -> bool:
+    end = float(walk.starts(graph)[-1])
+    return all(clearance_between(graph, a, walk, 0.0, end) >= CLEAR_M for a in attacks)
+
+
+def _clear_of_all(
+    graph: MotionGraph,
+    node: int,
+    attack: Attack,
+    others: Sequence[Attack],
+    config: AvoidanceConfig,
+) -> Walk | None:
+    """The candidate of least energy whose walk, with what follows it, no attack touches."""
+    crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
+    if crop is None:
+        return None
+    tables, device = search_tables(graph, config.body_rate, config.speed)
+    found = enumerate_candidates(
+        graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
+    )
+    if not len(found.length):
+        return None
+    judged = judge(device, found, attack, crop, config, frame_rate=graph.frame_rate)
+    for index in judged["order"][: config.checks]:
+        length = int(found.length[index])
+        path = make_walk(graph, found.edges[index, :length], judged["scales"][index, :length])
+        if not _clear(graph, path, others):
+            continue
+        played = play_on(graph, attack, path, config)
+        clear = played.clearance >= CLEAR_M and played.clear_until is None
+        if clear and _clear(graph, played.walk, others):
+            return played.walk
+    return None
+
+
+def played_clearance(graph: MotionGraph, piece: Piece, attack: Attack, since: float) -> float:
+    """Signed distance of an attack of the world and what was played from ``since`` to its end, m.
+
+    The exact check of :mod:`mgjax.avoidance.checks.written` at the frames of the written motion,
+    which are counted from 0 s on the planner's clock.
+    """
+    first, last = int(np.floor(since * EXPORT_RATE)), int(np.ceil(attack.end * EXPORT_RATE))
+    times = np.arange(first, max(last, first + 1) + 1) / EXPORT_RATE
+    motion = sample_walk(graph, piece.walk, times - piece.begins, start=piece.start)
+    spheres = preset_spheres(graph.skeleton)
+    trace = trace_motion(graph, spheres, replace(motion, frame_rate=EXPORT_RATE))
+    return clearance(retimed(attack, first / EXPORT_RATE), trace, spheres.radii)[1]

@@ -1,0 +1,123 @@
+"""The timeline of edges that the planner plays (§6)."""
+
+from __future__ import annotations
+
+import bisect
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from mgjax.core import planar
+from mgjax.core.motion import Motion
+from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import Walk, make_walk, sample_walk
+
+
+@dataclass(frozen=True, kw_only=True)
+class Played:
+    """An edge of the history: when it began, s, and the factor on its duration."""
+
+    edge: int
+    start: float
+    scale: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Piece:
+    """A stretch of the timeline.
+
+    Attributes:
+        walk: its edges.
+        begins: when the first of them begins, s.
+        start: planar frame of the body there, in the world. [3]
+    """
+
+    walk: Walk
+    begins: float
+    start: Float[np.ndarray, "3"]
+
+
+class Timeline:
+    """The edges that were played or are decided, in the world and on the planner's clock.
+
+    The last stretch of an edge, of one frame, leads to the first pose of the edge that follows (as
+    in :func:`mgjax.graph.walk.sample_walk`). So the next edge has to be known at ``deadline``, one
+    frame before the end; from then on what is shown is what will be written.
+
+    Args:
+        graph: a motion graph.
+        node: where the body stands at 0 s.
+        start: its planar frame in the world; default: at the origin, heading +Z.
+    """
+
+    def __init__(
+        self, graph: MotionGraph, node: int, start: Float[np.ndarray, "3"] | None = None
+    ) -> None:
+        self.graph = graph
+        self.node = node
+        self.start = np.zeros(3) if start is None else np.asarray(start, dtype=np.float64)
+        self.edges: list[int] = []
+        self.scales: list[float] = []
+        self.starts = [0.0]
+        inverse = np.asarray(planar.inverse(graph.node_plane[node].astype(np.float64)))
+        self._places = [tuple(float(v) for v in planar.compose(self.start, inverse))]
+
+    @property
+    def end(self) -> float:
+        """When the last edge ends, s."""
+        return self.starts[-1]
+
+    @property
+    def deadline(self) -> float:
+        """When the edge after the last has to be known, s."""
+        if not self.edges:
+            return 0.0
+        return self.end - self.scales[-1] / self.graph.frame_rate
+
+    def append(self, edge: int, scale: float = 1.0) -> None:
+        """Plays an edge after the last one, at ``scale`` times its natural duration."""
+        turn, x, z = self.graph.edge_exit[edge].tolist()
+        theta, x0, z0 = self._places[-1]
+        c, s = math.cos(theta), math.sin(theta)
+        self.edges.append(edge)
+        self.scales.append(scale)
+        seconds = float(self.graph.edge_frames[edge] / self.graph.frame_rate * scale)
+        self.starts.append(self.end + seconds)
+        self._places.append((theta + turn, x * c + z * s + x0, z * c - x * s + z0))
+        self.node = int(self.graph.edge_target[edge])
+
+    def frame_at_end(self) -> Float[np.ndarray, "3"]:
+        """Planar frame of the body, in the world, where the last edge arrives."""
+        plane = self.graph.node_plane[self.node].astype(np.float64)
+        return np.asarray(planar.compose(np.array(self._places[-1]), plane))
+
+    def between(self, first: float, last: float) -> Piece:
+        """The edges that are played from ``first`` to ``last`` s, and the next one if decided."""
+        a = self._index(first)
+        b = min(self._index(last) + 2, len(self.edges))
+        edges = np.array(self.edges[a:b])
+        plane = self.graph.node_plane[self.graph.edge_source[edges[0]]].astype(np.float64)
+        return Piece(
+            walk=Walk(edges=edges, scales=np.array(self.scales[a:b])),
+            begins=self.starts[a],
+            start=np.asarray(planar.compose(np.array(self._places[a]), plane)),
+        )
+
+    def sample(self, times: Float[np.ndarray, " T"]) -> Motion:
+        """Poses in the world at ascending times."""
+        piece = self.between(float(times[0]), float(times[-1]))
+        return sample_walk(self.graph, piece.walk, times - piece.begins, start=piece.start)
+
+    def history(self) -> list[Played]:
+        """What was played since 0 s, and what is already decided."""
+        rows = zip(self.edges, self.starts[:-1], self.scales, strict=True)
+        return [Played(edge=edge, start=start, scale=scale) for edge, start, scale in rows]
+
+    def walk(self) -> Walk:
+        """The history as a walk; with ``start`` as its start it gives the poses that are shown."""
+        return make_walk(self.graph, self.edges, self.scales)
+
+    def _index(self, when: float) -> int:
+        return min(max(bisect.bisect_right(self.starts, when) - 1, 0), len(self.edges) - 1)

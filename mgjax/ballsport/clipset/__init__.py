@@ -1,0 +1,1 @@
+"""What players can do: clips of hits and links, their transitions and matching (§3, eqs 1–2)."""

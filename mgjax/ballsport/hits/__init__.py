@@ -1,0 +1,1 @@
+"""Hits in motion (§3): found offline and live, with their key poses and motion vectors."""

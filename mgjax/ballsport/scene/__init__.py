@@ -1,0 +1,1 @@
+"""Scenes of several players (§5)."""

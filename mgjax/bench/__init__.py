@@ -1,0 +1,1 @@
+"""Benchmarks of the library, timed by turns."""

@@ -1,0 +1,275 @@
+"""The commands and their arguments. Their work is imported when they run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from mgjax.sensor.config import HOST, PORT
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Output:
+    """How results are printed."""
+
+    json: bool = False
+    """Print one JSON object on stdout."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Info(Output):
+    """Describe motion files: skeleton, frames, rate, unit, oddities."""
+
+    files: tyro.conf.Positional[tuple[Path, ...]]
+    """BVH files, or AMC files with their ASF beside them."""
+    out: Path | None = None
+    """Folder for info.json."""
+
+    def run(self) -> None:
+        from mgjax.cli.info import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Build(Output):
+    """Build a motion graph from a folder of clips."""
+
+    clips: Path
+    """Folder of clips; folders below it count too."""
+    out: Path
+    """Folder for the graph."""
+    exclude: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """Glob on the path below the clips' folder; may be given more than once."""
+    labels: Path | None = None
+    """JSON file of labelled intervals."""
+    skeleton: Path | None = None
+    """File whose skeleton the graph gets; default: that of the first clip."""
+    mirror: bool = False
+    """Add a left-right mirrored copy of every clip."""
+    config: Path | None = None
+    """TOML file of graph settings."""
+    no_index: bool = False
+    """Leave out the grid index, from which candidates of an avoidance are looked up."""
+
+    def run(self) -> None:
+        from mgjax.cli.build import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Avoid(Output):
+    """Throw a ball at a character and write the motion that avoids it."""
+
+    graph: Path
+    """Folder of a graph."""
+    start: Annotated[Vector, tyro.conf.arg(name="from", metavar="X Y Z")]
+    """Where the ball is thrown from, m, in the character's frame (x left, y up, z ahead)."""
+    at: Annotated[Vector, tyro.conf.arg(metavar="X Y Z")]
+    """Where it is thrown at, m."""
+    speed: float
+    """Speed at launch, m/s."""
+    arrives: float
+    """Seconds from now until the ball is there."""
+    out: Path
+    """Folder for motion.bvh, result.json, scene.png and volumes.npz."""
+    gravity: bool = False
+    """The ball falls; otherwise it flies straight."""
+    radius: float = 0.12
+    """Radius of the ball, m."""
+    node: int | None = None
+    """Where the character stands in the graph; default: drawn by the seed."""
+    seed: int = 0
+    """Draws the node, and what is played where nothing avoids."""
+    config: Path | None = None
+    """TOML file of avoidance settings."""
+
+    def run(self) -> None:
+        from mgjax.cli.avoid import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Walk(Output):
+    """Walk along a path sketched on the floor."""
+
+    graph: Path
+    """Folder of a graph with locomotion."""
+    path: Path
+    """CSV (x,z or x,z,speed) or JSON file of the path, m."""
+    out: Path
+    """Folder for motion.bvh, result.json and walk.png."""
+    reach: Path | None = None
+    """JSON file of targets that hands and head reach on the way."""
+    spline: bool = False
+    """A smooth curve through the points, not straight lines between them."""
+    closed: bool = False
+    """The path leads back to its first point."""
+    method: Literal["exact", "beam"] | None = None
+    """Branch and bound, or only the best partial walks; default: exact."""
+    seconds: float | None = None
+    """Time limit of the search, s; then the best walk so far is taken."""
+    config: Path | None = None
+    """TOML file of settings of the search."""
+
+    def run(self) -> None:
+        from mgjax.cli.walk import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene(Output):
+    """Make a scene of players who pass a ball to one another."""
+
+    config: Path
+    """TOML file of the scene: players, passes, court."""
+    out: Path
+    """Folder for one BVH file per player, ball.csv, timeline.json and scene.png."""
+    live: float | None = None
+    """Seconds to listen to a motion sensor: each kick decides the next pass of kind any."""
+    host: str = HOST
+    """Address of this machine to listen on."""
+    port: int = PORT
+    """Its port; 0 takes a free one."""
+
+    def run(self) -> None:
+        from mgjax.cli.scene import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Demo(Output):
+    """Throw balls at a character made of the embedded clips."""
+
+    out: Path = Path("out/demo")
+    """Folder for motion.bvh, result.json and scene.png."""
+    balls: int = 5
+    """How many."""
+    seed: int = 0
+    """Draws clips, places and throws."""
+
+    def run(self) -> None:
+        from mgjax.cli.demo import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coverage(Output):
+    """Show which attacks a graph avoids, where it fails, and what to add to it."""
+
+    graph: Path
+    """Folder of a graph with labelled avoidance parts."""
+    out: Path
+    """Folder for coverage.json, coverage.npz and coverage.png."""
+    directions: int = 16
+    """How many directions balls come from, all around."""
+    nodes: int = 256
+    """At how many places in the graph; at each, one ball comes from every direction."""
+    heights: tuple[float, ...] = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7)
+    """Where balls pass the body's axis, m; dealt out among them."""
+    arrivals: tuple[float, ...] = (0.8, 1.2, 1.6)
+    """Seconds from now until a ball is there; dealt out among them."""
+    speed: float = 10.0
+    """Speed of the balls, m/s."""
+    seed: int = 0
+    """Draws the nodes and deals heights and times."""
+    config: Path | None = None
+    """TOML file of avoidance settings."""
+
+    def run(self) -> None:
+        from mgjax.cli.coverage import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bench(Output):
+    """Measure speed; rows have medians, quartiles and ratios to a bare kernel of the same run."""
+
+    what: tyro.conf.Positional[Literal["distance", "build", "selection"]]
+    """What to measure."""
+    graph: Path | None = None
+    """Folder of a graph, for selection."""
+    balls: int = 200
+    """How many are thrown, for selection."""
+    out: Path | None = None
+    """Folder for bench.json."""
+
+    def run(self) -> None:
+        from mgjax.cli.bench import run
+
+        run(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Replay(Output):
+    """Send a motion file as a motion sensor would, in real time (VMC protocol, OSC over UDP)."""
+
+    file: tyro.conf.Positional[Path]
+    """BVH file, or AMC file with its ASF beside it."""
+    out: Path | None = None
+    """Folder for replay.json."""
+    host: str = HOST
+    """Where to send it."""
+    port: int = PORT
+    """Its port."""
+    rate: float | None = None
+    """Frames sent per second of motion; default: as captured."""
+    speed: float = 1.0
+    """Seconds of motion per second."""
+    loss: float = 0.0
+    """Share of packets that are lost."""
+    reorder: float = 0.0
+    """Share of packets that come after those of the next frame."""
+    jitter: float = 0.0
+    """Each packet is late by a random time up to this, s."""
+    seed: int = 0
+    """Draws what is lost, reordered and late."""
+
+    def run(self) -> None:
+        from mgjax.cli.sensor import replay
+
+        replay(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Listen(Output):
+    """Wait for a motion sensor; print each kick and the stored hit it resembles, as JSON lines."""
+
+    seconds: float
+    """How long to listen."""
+    out: Path | None = None
+    """Folder for kicks.json."""
+    host: str = HOST
+    """Address of this machine to listen on; anything but loopback hears the whole network."""
+    port: int = PORT
+    """Its port; 0 takes a free one."""
+
+    def run(self) -> None:
+        from mgjax.cli.sensor import listen
+
+        listen(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensor:
+    """Live motion over the VMC protocol: play a file as a sensor, or listen to one."""
+
+    action: Annotated[
+        Annotated[Replay, tyro.conf.subcommand("replay")]
+        | Annotated[Listen, tyro.conf.subcommand("listen")],
+        tyro.conf.arg(name=""),
+    ]
+
+    def run(self) -> None:
+        self.action.run()

@@ -1,0 +1,1 @@
+"""What compiled code needs: padding, pytrees, kept results and a persistent cache."""

@@ -1,0 +1,110 @@
+"""The beam: of all partial walks of about the same duration only the best go on."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from mgjax.hybrid.paths.frontier import Front, Leaf, Search, join
+
+SHORTLIST = 8
+"""Of so many times the width, the cheapest so far, the lower bound is computed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Beam:
+    """What a beam found.
+
+    Attributes:
+        best: the best complete walk, or the best at the horizon; None if there is neither.
+        farthest: the partial walk that got farthest along the path, with its arc length.
+        interrupted: the time was over before the beam was.
+    """
+
+    best: Leaf | None
+    farthest: Leaf
+    arc: float
+    interrupted: bool
+
+
+def better(one: Leaf | None, other: Leaf | None, with_end: bool) -> Leaf | None:
+    """The better of two walks; to a given end a complete one beats one that is not."""
+    if one is None or other is None:
+        return one or other
+    if with_end and one.complete != other.complete:
+        return one if one.complete else other
+    return one if one.cost <= other.cost else other
+
+
+def limit_of(best: Leaf | None, with_end: bool) -> float:
+    """Partial walks that cost as much cannot become better."""
+    if best is None or (with_end and not best.complete):
+        return math.inf
+    return best.cost
+
+
+def run_beam(
+    search: Search, begin: Front, *, width: int, horizon: int, deadline: float = math.inf
+) -> Beam:
+    """Searches from the given walks on.
+
+    Walks are sorted by their frames into slots of Δ. In each slot, from the first on, the ``width``
+    best by cost and lower bound are extended by all their strides.
+
+    Args:
+        search: graph, path and memory.
+        begin: where to start from; may be of different durations.
+        width: of the beam.
+        horizon: frames; a walk of so many is over.
+        deadline: in the time of ``time.perf_counter``; checked once per slot.
+    """
+    delta, with_end = search.strides.delta, search.request.with_end
+    slots: dict[int, list[Front]] = {}
+    _sort_in(slots, begin, delta)
+    best: Leaf | None = None
+    farthest, arc = _farthest(begin)
+    interrupted = False
+    while slots:
+        if time.perf_counter() > deadline:
+            interrupted = True
+            break
+        front = join(slots.pop(min(slots)))
+        if len(front.stop) > SHORTLIST * width:
+            order = np.argpartition(front.state[:, 4], SHORTLIST * width)[: SHORTLIST * width]
+            search.pruned += len(front.stop) - len(order)
+            front = front.pick(order)
+        keys = search.bounds(front, horizon)
+        order = np.argsort(keys, kind="stable")[:width]
+        order = order[keys[order] < limit_of(best, with_end)]
+        search.pruned += len(keys) - len(order)
+        if not len(order):
+            continue
+        children, complete, reached = search.expand(
+            front.pick(order), horizon, limit_of(best, with_end), SHORTLIST * width
+        )
+        for leaf in (complete, reached):
+            best = better(best, leaf, with_end)
+        if len(children.stop):
+            _sort_in(slots, children, delta)
+            leaf, reach = _farthest(children)
+            if reach > arc:
+                farthest, arc = leaf, reach
+    return Beam(best=best, farthest=farthest, arc=arc, interrupted=interrupted)
+
+
+def _sort_in(slots: dict[int, list[Front]], front: Front, delta: int) -> None:
+    number = front.frames // delta
+    for slot in np.unique(number).tolist():
+        slots.setdefault(slot, []).append(front.pick(number == slot))
+
+
+def _farthest(front: Front) -> tuple[Leaf, float]:
+    """The walk with most arc length; of those within 1 cm the cheapest."""
+    arc = front.state[:, 3]
+    cost = np.where(arc > arc.max() - 0.01, front.state[:, 4], np.inf)
+    i = int(np.argmin(cost))
+    leaf = Leaf(float(cost[i]), int(front.record[i]), -1, int(front.frames[i]), False)
+    return leaf, float(arc[i])

@@ -1,0 +1,139 @@
+"""Whether a limb gets to its target at a place on a walk: the key pose of a reach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from mgjax.core.kinematics import forward
+from mgjax.core.skeleton import require_roles
+from mgjax.hybrid.body.capsules import arm_clearance
+from mgjax.hybrid.body.limb_limits import reach_limits
+from mgjax.hybrid.body.rig import (
+    Rig,
+    effort,
+    follow_targets,
+    key_poses,
+    make_rig,
+    whole_pose,
+)
+from mgjax.hybrid.config import ReachConfig
+from mgjax.hybrid.ik.limbs import Limb
+from mgjax.hybrid.reaching.placements import Place
+from mgjax.hybrid.reaching.sampled_walk import Course
+from mgjax.hybrid.reaching.targets import Target
+
+_DROPS = 7
+"""Depths of the pelvis that are tried."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Key:
+    """A pose that reaches.
+
+    Attributes:
+        place: where on the walk.
+        rig: of the limbs.
+        pose: of the rig's joints. [n, 4]
+        drop_m: how far the pelvis is down.
+        error_m: largest distance of an end to its target over the hold.
+        clearance_m: of the arm to the body, at least over the hold; negative inside.
+    """
+
+    place: Place
+    rig: Rig
+    pose: Float[np.ndarray, "n 4"]
+    drop_m: float
+    error_m: float
+    clearance_m: float
+
+
+def find_key(
+    course: Course,
+    limbs: tuple[Limb, ...],
+    targets: list[Target],
+    place: Place,
+    config: ReachConfig,
+) -> Key:
+    """The best pose that reaches targets at a place, or the one that comes nearest.
+
+    Poses are found from the walk's own and from raised arms, with the pelvis at several depths;
+    of those that arrive the one is best that least turns the torso, lowers the pelvis, and brings
+    the arm near the body. It must also stay on the targets over the whole hold.
+    """
+    rig = make_rig(
+        course.graph.skeleton, limbs, reach_limits(course.graph, limbs) if config.limits else None
+    )
+    rate = course.graph.frame_rate
+    steps = round(max(target.hold_s for target in targets) * rate)
+    span = np.full(steps + 1, place.frame)
+    if not place.stop:
+        span = np.minimum(span + np.arange(steps + 1), course.frames)
+    points = np.stack([t.at(np.arange(steps + 1) / rate) for t in targets], axis=1)
+    root, local = (
+        np.asarray(x, np.float32)[span]
+        for x in (course.motion.root_translation, course.motion.local_rotations)
+    )
+    middle = steps // 2
+    drops = np.linspace(0, config.drop_m, _DROPS)
+    down = drops[:, None] * np.array([[0.0, -1.0, 0.0]])
+    found = key_poses(
+        rig,
+        root[middle] + down,
+        np.repeat(local[middle][None], _DROPS, axis=0),
+        np.repeat(points[middle][None], _DROPS, axis=0),
+    )
+    cost = np.stack([
+        _costs(course, rig, root[middle] + down[i], local[middle], points[middle], found[i], config)
+        + 4.0 * drops[i]
+        for i in range(_DROPS)
+    ])  # fmt: skip
+    depth, number = np.unravel_index(int(np.argmin(cost)), cost.shape)
+    lowered = root + down[depth]
+    poses = follow_targets(rig, lowered, local, points, middle, found[depth, number])
+    positions = _positions(rig, lowered, local, poses)
+    ends = positions[:, [limb.joints[-1] for limb in limbs]]
+    arms = [limb.name for limb in limbs if limb.name != "head"]
+    clear = [arm_clearance(course.body, positions, name).min() for name in arms]
+    return Key(
+        place=place,
+        rig=rig,
+        pose=poses[middle],
+        drop_m=float(drops[depth]),
+        error_m=float(np.linalg.norm(ends - points, axis=-1).max()),
+        clearance_m=float(min(clear, default=np.inf)),
+    )
+
+
+def _positions(rig: Rig, root: np.ndarray, local: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    whole = whole_pose(rig, root, local, poses)
+    return np.asarray(forward(rig.skeleton, root.astype(np.float32), whole)[0], np.float64)
+
+
+def _costs(
+    course: Course,
+    rig: Rig,
+    root: np.ndarray,
+    local: np.ndarray,
+    points: np.ndarray,
+    poses: Float[np.ndarray, "P n 4"],
+    config: ReachConfig,
+) -> Float[np.ndarray, " P"]:
+    count = len(poses)
+    roots, locals_ = (np.repeat(x[None], count, axis=0) for x in (root, local))
+    positions = _positions(rig, roots, locals_, poses)
+    cost = effort(rig, local, poses)
+    for limb, point in zip(rig.limbs, points, strict=True):
+        miss = np.linalg.norm(positions[:, limb.joints[-1]] - point, axis=-1)
+        # Missing by the tolerance or by a metre: both are worse than any pose that arrives.
+        cost = cost + np.where(miss > 0.5 * config.hold_m, 100.0 + 100.0 * miss, 0.0)
+        if limb.name != "head":
+            clear = arm_clearance(course.body, positions, limb.name)
+            cost = cost + 40.0 * np.maximum(0.01 - clear, 0.0)
+            side = limb.name.split("_")[0]
+            joints = require_roles(rig.skeleton, (f"{side}_shoulder", f"{side}_elbow"))
+            shoulder, elbow = (positions[:, joint, 1] for joint in joints)
+            cost = cost + 4.0 * np.maximum(elbow - np.maximum(shoulder, point[1]), 0.0)
+    return cost

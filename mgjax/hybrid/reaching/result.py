@@ -1,0 +1,125 @@
+"""What came of the targets of a walk, measured on the motion itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mgjax.core.kinematics import global_positions
+from mgjax.core.motion import Motion
+from mgjax.graph.types import MotionGraph
+from mgjax.hybrid.body.capsules import arm_clearance, body_of
+from mgjax.hybrid.ik.limbs import find_limb
+from mgjax.hybrid.paths.result import PathResult
+from mgjax.hybrid.reaching.blend import Span
+from mgjax.hybrid.reaching.duck import Duck, clearance
+from mgjax.hybrid.reaching.events import Event
+from mgjax.hybrid.reaching.targets import Target
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reached:
+    """What came of one target.
+
+    Attributes:
+        status: ``"reached"``; ``"out_of_reach"``: nowhere on the walk; ``"too_high"``: the target
+            is more than 0.95 Σd above the base; ``"limits"``: near enough, but the joints do not
+            allow it, or not over the whole hold; ``"lost"``: no way leads there; ``"too_fast"``: a
+            joint turns too fast even with the longest blend. A bar is ``"cleared"`` or ``"hit"``.
+        error_m: distance of the end to the target at the beginning of the hold; of a bar NaN.
+        hold_m: the largest one over the hold.
+        first, last: frames of the hold, or of being down; None if there is none.
+        extended_m: length of the way that was added to the walk, m; 0 for none.
+        stopped: the walk stands still meanwhile.
+        drop_m: how far the pelvis is down.
+        clear_m: of a bar, what is left between it and the body; of a hand, between arm and body.
+    """
+
+    target: Target
+    status: str
+    error_m: float
+    hold_m: float
+    first: int | None
+    last: int | None
+    extended_m: float
+    stopped: bool
+    drop_m: float
+    clear_m: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ReachResult:
+    """A walk with reaches.
+
+    Attributes:
+        walked: the walk as it is walked, with what extends it, before limbs reach.
+        motion: with the reaches.
+        plain: the same with stops, but without reaches.
+        targets: one result for each target.
+        fastest_deg_s: fastest turn of a joint that the reaches turn, degrees/s.
+        fastest_plain_deg_s: that of the walk without reaches.
+        slide: metres that planted feet travel per frame, both together, with the reaches.
+        solve_s: seconds spent on everything after the first walk.
+    """
+
+    walked: PathResult
+    motion: Motion
+    plain: Motion
+    targets: tuple[Reached, ...]
+    fastest_deg_s: float
+    fastest_plain_deg_s: float
+    slide: float
+    solve_s: float
+
+
+def target_row(
+    graph: MotionGraph,
+    motion: Motion,
+    target: Target,
+    number: int,
+    events: list[Event],
+    spans: dict[int, Span],
+) -> Reached:
+    """What came of a target, measured on the motion."""
+    event = next(event for event in events if number in event.numbers)
+    span = spans.get(id(event))
+    if span is None or event.key is None:
+        return Reached(
+            target=target, status=event.status, first=None, last=None, extended_m=0.0,
+            error_m=event.key.error_m if event.key else np.nan,
+            hold_m=np.nan, stopped=False, drop_m=0.0, clear_m=np.nan,
+        )  # fmt: skip
+    positions = np.asarray(global_positions(graph.skeleton, motion), np.float64)
+    rows = np.arange(span.first, span.last + 1)
+    wanted = target.at((rows - span.first) / graph.frame_rate)
+    joint = find_limb(graph.skeleton, target.limb).joints[-1]
+    off = np.linalg.norm(positions[rows, joint] - wanted, axis=-1)
+    body = body_of(graph.skeleton)
+    hand = target.limb != "head"
+    return Reached(
+        target=target,
+        status=event.status,
+        error_m=float(off[0]),
+        hold_m=float(off.max()),
+        first=span.first,
+        last=span.last,
+        extended_m=event.extended_m,
+        stopped=event.key.place.stop,
+        drop_m=event.key.drop_m,
+        clear_m=float(arm_clearance(body, positions[rows], target.limb).min()) if hand else np.nan,
+    )
+
+
+def bar_row(
+    graph: MotionGraph, motion: Motion, target: Target, ducked: Duck, drop_m: float
+) -> Reached:
+    """What came of a bar, measured on the motion with all its reaches."""
+    assert target.bar is not None
+    left = float(clearance(graph, motion, target.bar).min())
+    frames = ducked.frames or (None, None)
+    return Reached(
+        target=target, status="cleared" if left >= 0 else "hit", error_m=np.nan, hold_m=np.nan,
+        first=frames[0], last=frames[1], extended_m=0.0, stopped=False,
+        drop_m=ducked.depth * drop_m, clear_m=left,
+    )  # fmt: skip

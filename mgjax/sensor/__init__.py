@@ -1,0 +1,1 @@
+"""Motion sensors: the VMC protocol over OSC, received, assembled into frames, and replayed."""

@@ -1,0 +1,53 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.body.edge_tables import edge_tables
+from mgjax.avoidance.choice.start import _farthest, validate_start
+from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.core.errors import AttackError, ConfigError
+from mgjax.graph.types import MotionGraph
+
+
+def test_settings_are_known_by_identity() -> None:
+    one = AvoidanceConfig(capacity=1)
+    for _ in range(2):
+        validate_config(one)
+        with pytest.raises(ConfigError, match="got capacity = True"):
+            validate_config(replace(one, capacity=True))  # equal to 1
+        with pytest.raises(ConfigError, match="got capacity = 0"):
+            validate_config(replace(one, capacity=0))
+
+
+def still(place: np.ndarray, radius: float) -> Attack:
+    return Attack(
+        times=np.array([0.0, 1.0]), centres=np.tile(place, (2, 1, 1)), radii=np.array([radius])
+    )
+
+
+def test_begins_inside_whatever_is_skipped(made_graph: MotionGraph) -> None:
+    # A place is inside if it is in a sphere of the body at the node, near or far.
+    tables = edge_tables(made_graph, 30.0)
+    radii = tables.spheres.radii
+    reach = 0.0
+    rng = np.random.default_rng(0)
+    inside = 0
+    for node in rng.choice(made_graph.num_nodes, 20, replace=False).tolist():
+        edge = made_graph.edges_from(node)[0]
+        body = tables.pool[tables.pool_first[edge]].reshape(3, -1).T.astype(np.float64)
+        reach = max(reach, float((np.linalg.norm(body, axis=1) + radii).max()))
+        for _ in range(10):
+            place, radius = rng.uniform((-2, 0, -2), (2, 3, 2)), float(rng.choice([0.1, 1.0]))
+            gap = (np.linalg.norm(body - place, axis=1) - radii).min() - radius
+            if gap < 0:
+                with pytest.raises(AttackError, match=f"starts {-gap:.3f} m inside the body"):
+                    validate_start(made_graph, tables, node, still(place, radius))
+            else:
+                validate_start(made_graph, tables, node, still(place, radius))
+            inside += gap < 0
+    assert 20 < inside < 180
+    assert reach < _farthest(tables)

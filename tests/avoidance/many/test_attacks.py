@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+import chex
+import jax
+import numpy as np
+import pytest
+
+from mgjax.avoidance import choose, select_batch
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.crop import crop_attack
+from mgjax.avoidance.body.device_tables import search_tables
+from mgjax.avoidance.body.poses import body_of
+from mgjax.avoidance.candidates.enumerate import enumerate_candidates, natural_times
+from mgjax.avoidance.choice.search import Found, make_task, search
+from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
+from mgjax.avoidance.many.attacks import NO_PART, STATUSES
+from mgjax.core.errors import AttackError, ConfigError
+from mgjax.graph.types import MotionGraph
+from tests.avoidance.made import throw
+
+
+def questions(graph: MotionGraph, count: int) -> tuple[np.ndarray, list[Attack]]:
+    """Random balls at a few nodes, several at each, one that never comes near."""
+    rng = np.random.default_rng(8)
+    places = rng.integers(graph.num_nodes, size=count // 3 + 1)
+    nodes = rng.choice(places, size=count)
+    balls = [throw(rng, arrives=rng.uniform(0.9, 1.4)) for _ in range(count)]
+    far = balls[0]
+    balls[0] = Attack(times=far.times, centres=far.centres + 40.0, radii=far.radii)
+    return nodes, balls
+
+
+def test_the_same_answers_as_one_by_one(any_graph: MotionGraph) -> None:
+    config = AvoidanceConfig()
+    nodes, attacks = questions(any_graph, 36)
+    got = select_batch(any_graph, nodes, attacks, config=config)
+    seen = set()
+    for i, (node, attack) in enumerate(zip(nodes, attacks, strict=True)):
+        wanted = choose(any_graph, int(node), attack, config=config)
+        seen.add(wanted.status)
+        assert STATUSES[got.status[i]] == wanted.status
+        assert got.candidates[i] == wanted.candidates
+        if wanted.energy is None or wanted.clearance_m is None:
+            assert got.part[i] == NO_PART
+            assert np.isnan([got.time_scale[i], got.clearance[i], got.energy[i]]).all()
+            continue
+        assert got.part[i] == wanted.part
+        np.testing.assert_allclose(got.time_scale[i], wanted.time_scale, atol=1e-5)
+        np.testing.assert_allclose(got.clearance[i], wanted.clearance_m, atol=1e-4)
+        np.testing.assert_allclose(got.energy[i], wanted.energy.total, atol=1e-3)
+    assert np.isnan(got.t_attack[0])
+    assert seen >= {"avoided", "no_candidate"}
+
+
+def test_bad_questions(made_graph: MotionGraph) -> None:
+    nodes, attacks = questions(made_graph, 6)
+    with pytest.raises(ConfigError, match="5 nodes for 6 attacks"):
+        select_batch(made_graph, nodes[:5], attacks)
+    with pytest.raises(ConfigError, match="expected 0 …"):
+        select_batch(made_graph, nodes + made_graph.num_nodes, attacks)
+    broken = Attack(times=attacks[1].times, centres=attacks[1].centres * np.nan, radii=np.ones(1))
+    with pytest.raises(AttackError, match="not finite"):
+        select_batch(made_graph, nodes, [broken, *attacks[1:]])
+    empty = select_batch(made_graph, [], [])
+    assert empty.status.shape == (0,)
+
+
+def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
+    # Any node, ball and weights: one compiled call for all of one size.
+    config = AvoidanceConfig()
+    tables, device = search_tables(made_graph, config.body_rate, config.speed)
+
+    @jax.jit
+    @chex.assert_max_traces(n=1)
+    def traced(*inputs: object) -> Found:
+        return search(*inputs, frame_rate=30.0, limit_scale=True)
+
+    rng = np.random.default_rng(1)
+    answered = 0
+    while answered < 6:
+        attack = throw(rng, arrives=rng.uniform(1.0, 1.3))
+        crop = crop_attack(attack, radius=1.0, height=2.3)
+        assert crop is not None
+        node = int(rng.integers(made_graph.num_nodes))
+        found = enumerate_candidates(
+            made_graph, tables, node, crop.middle, window=1.0, capacity=4096
+        )
+        if not 8 < len(found.length) <= 32:
+            continue
+        task = make_task(found, attack, crop, config, body_of(made_graph)[1])
+        energy = EnergyConfig(E_avoidance=rng.uniform(0.01, 1.0), w_b=rng.uniform(0, 2))
+        traced(device, task.walks, task.shots, energy)
+        answered += 1
+
+
+def test_natural_times(made_graph: MotionGraph) -> None:
+    config = AvoidanceConfig()
+    tables, _ = search_tables(made_graph, config.body_rate, config.speed)
+    found = enumerate_candidates(made_graph, tables, 3, 1.2, window=2.0, capacity=50)
+    assert len(found.length)
+    for row, time in enumerate(natural_times(tables, found)):
+        edges = found.edges[row, : found.length[row]]
+        wanted = tables.seconds[edges[:-1]].sum() + tables.part_centre[found.part[row]]
+        np.testing.assert_allclose(time, wanted)
+        assert abs(time - 1.2) < 1.0

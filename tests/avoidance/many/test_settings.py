@@ -1,0 +1,217 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import chex
+import jax
+import numpy as np
+import pytest
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.crop import crop_attack
+from mgjax.avoidance.body.device_tables import search_tables
+from mgjax.avoidance.candidates.enumerate import enumerate_candidates
+from mgjax.avoidance.choice.choosing import choose
+from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
+from mgjax.avoidance.energy.energies import Energies
+from mgjax.avoidance.energy.score import (
+    Judged,
+    judge,
+)
+from mgjax.avoidance.many.attacks import NO_CANDIDATE, STATUSES
+from mgjax.avoidance.many.lazy_checks import ask
+from mgjax.avoidance.many.reweight import CLEAR, TOUCHED, Picked, pick, pick_each, rescore
+from mgjax.avoidance.many.settings import sweep_energies
+from mgjax.avoidance.timing.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE, Timing
+from mgjax.core.errors import AttackError, ConfigError
+from mgjax.graph.types import MotionGraph
+from tests.avoidance.made import throw
+
+GRID = [
+    EnergyConfig(),
+    EnergyConfig(E_avoidance=1e-3),
+    EnergyConfig(E_avoidance=0.5, D_body=0.05),
+    EnergyConfig(D_body=2.0, E_time=1.3),
+    EnergyConfig(w_a=0.0, w_t=3.0),
+    EnergyConfig(w_b=0.0, w_t=0.0, E_time=8.0),
+]
+
+
+def made_judged() -> Judged:
+    """Four candidates: both scaled and not, one that is touched by its samples, one not timed."""
+
+    def row(*values: float) -> np.ndarray:
+        return np.array(values, np.float32)
+
+    timing = Timing(
+        s_time=row(2.0, 1.0, 0.5, 1.0),
+        scales=np.ones((4, 1), np.float32),
+        status=np.array([OK, OK, OK, NOT_ADJUSTABLE], np.int32),
+    )
+    zero = np.zeros(4, np.float32)
+    found = Energies(
+        avoidance=zero,
+        body=zero,
+        penetration=row(0.02, 0.0, 0.005, 1.0),
+        d=row(0.25, 0.6, -0.1, 0.3),
+        d0=row(-0.1, 0.1, -0.2, 0.0),
+    )
+    return Judged(timing=timing, energies=found, timescale=zero, total=zero)
+
+
+def test_by_hand() -> None:
+    config = EnergyConfig(E_avoidance=0.01, D_body=0.5, E_time=4.0, w_a=1.0, w_b=2.0, w_t=3.0)
+    got = rescore(made_judged(), config, limit_scale=True)
+    np.testing.assert_allclose(got.energies.avoidance, [0, 1, 0.5, 0], atol=1e-6)
+    np.testing.assert_allclose(got.energies.body, [0.5, 1, 1, 0.6], atol=1e-6)
+    np.testing.assert_allclose(got.timescale, [0.5, 0.25, 0.5, 0.25], atol=1e-6)
+    np.testing.assert_allclose(got.total[:2], [2.5, 3.75], atol=1e-6)
+    literal = rescore(made_judged(), replace(config, d0="paper"), limit_scale=True)
+    np.testing.assert_allclose(literal.energies.body, [0.7, 1, 0.2, 0.6], atol=1e-6)
+    narrow = replace(config, E_time=1.5)
+    status = [OUT_OF_RANGE, OK, OUT_OF_RANGE, NOT_ADJUSTABLE]
+    assert rescore(made_judged(), narrow, limit_scale=True).timing.status.tolist() == status
+    status = [OK, OK, OK, NOT_ADJUSTABLE]
+    assert rescore(made_judged(), narrow, limit_scale=False).timing.status.tolist() == status
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "checks", "number"),
+    [
+        ([CLEAR, CLEAR, CLEAR, CLEAR], 9, 0),
+        ([TOUCHED, CLEAR, CLEAR, CLEAR], 9, 1),
+        ([TOUCHED, TOUCHED, CLEAR, CLEAR], 2, 1),  # the nearer to clear of those looked at
+        ([TOUCHED, TOUCHED, CLEAR, CLEAR], 9, 1),  # the third is touched too deep by its samples
+    ],
+)
+def test_what_is_picked(verdicts: list[int], checks: int, number: int) -> None:
+    verdict = np.array(verdicts, np.int32)
+    clearance = np.array([-0.3, -0.2, -0.1, 0.9], np.float32)
+    config = EnergyConfig(E_avoidance=0.01, D_body=0.5)
+    got = pick(made_judged(), verdict, clearance, config, limit_scale=True, checks=checks)
+    assert int(got.number) == number
+    assert (int(got.usable), int(got.apart)) == (3, 2)
+    assert got.saturated.tolist() == [1, 1, 1]
+    nothing = replace(config, E_time=1.0)
+    held = replace(made_judged().timing, s_time=np.full(4, 2.0, np.float32))
+    judged = replace(made_judged(), timing=held)
+    none = pick(judged, verdict, clearance, nothing, limit_scale=True, checks=checks)
+    assert (int(none.number), int(none.usable)) == (-1, 0)
+
+
+def test_energies_are_those_of_a_search_with_the_setting(any_graph: MotionGraph) -> None:
+    rng = np.random.default_rng(3)
+    config = AvoidanceConfig(limit_scale=False)
+    tables, device = search_tables(any_graph, config.body_rate, config.speed)
+    rate = any_graph.frame_rate
+    seen = 0
+    while seen < 2:
+        attack, node = throw(rng), int(rng.integers(any_graph.num_nodes))
+        crop = crop_attack(attack, radius=1.0, height=2.3)
+        assert crop is not None
+        found = enumerate_candidates(
+            any_graph, tables, node, crop.middle, window=1.0, capacity=4096
+        )
+        if not 8 < len(found.length) <= 128:
+            continue
+        seen += 1
+        judged = ask(any_graph, node, attack, crop, found, config, "overlap", 8.0).judged
+        for energy in [*GRID, replace(GRID[2], d0="paper")]:
+            limited = replace(config, energy=energy, limit_scale=True)
+            wanted = judge(device, found, attack, crop, limited, frame_rate=rate)
+            got = rescore(judged, energy, limit_scale=True)
+            count = len(found.length)
+            assert np.array_equal(got.timing.status[:count], wanted["status"])
+            usable = wanted["status"] == OK
+            for name, values in {
+                "avoidance": got.energies.avoidance,
+                "body": got.energies.body,
+                "timescale": got.timescale,
+                "total": got.total,
+            }.items():
+                close = np.asarray(values)[:count][usable]
+                np.testing.assert_allclose(close, wanted[name][usable], atol=1e-5)
+
+
+def test_each_answer_is_that_of_a_search(any_graph: MotionGraph) -> None:
+    rng = np.random.default_rng(5)
+    seen = set()
+    for number in range(10):
+        attack, node = throw(rng), int(rng.integers(any_graph.num_nodes))
+        kind = "clamped" if number % 2 else "paper"
+        grid = [replace(energy, d0=kind) for energy in GRID]
+        config = AvoidanceConfig(limit_scale=number % 5 > 0, checks=8 if number % 3 else 64)
+        got = sweep_energies(any_graph, node, attack, grid, config=config)
+        for g, energy in enumerate(grid):
+            wanted = choose(any_graph, node, attack, config=replace(config, energy=energy))
+            seen.add(wanted.status)
+            assert STATUSES[got.status[g]] == wanted.status
+            assert got.part(g) == wanted.part
+            assert got.path(g) == tuple(wanted.walk.edges[: wanted.path_length].tolist())
+            assert got.candidates is not None
+            untimed = wanted.dropped.not_adjustable + wanted.dropped.time_scale
+            assert got.usable[g] == len(got.candidates.length) - untimed
+            if wanted.energy is None:
+                assert np.isnan(got.total[g])
+                continue
+            np.testing.assert_allclose(got.clearance[g], wanted.clearance_m, atol=1e-5)
+            np.testing.assert_allclose(got.time_scale[g], wanted.time_scale, atol=1e-6)
+            for name in ("avoidance", "body", "timescale", "total", "penetration", "d", "d0"):
+                value = getattr(wanted.energy, name)
+                np.testing.assert_allclose(getattr(got, name)[g], value, atol=2e-4)
+    assert seen >= {"avoided", "hit"}
+
+
+def test_one_compiled_call_for_a_grid() -> None:
+    judged = made_judged()
+    verdict, clearance = np.zeros(4, np.int32), np.ones(4, np.float32)
+    names = ("E_avoidance", "D_body", "E_time", "w_a", "w_b", "w_t")
+
+    def grid(seed: int) -> EnergyConfig:
+        rng = np.random.default_rng(seed)
+        columns = {name: rng.uniform(0.1, 2, 7).astype(np.float32) for name in names}
+        return replace(EnergyConfig(), **columns)
+
+    @jax.jit
+    @chex.assert_max_traces(n=1)
+    def traced(energies: EnergyConfig) -> Picked:
+        return pick_each(judged, verdict, clearance, energies, limit_scale=True, checks=9)
+
+    for seed in range(3):
+        energies = grid(seed)
+        got = traced(energies)
+        for g in range(7):
+            one = replace(energies, **{name: getattr(energies, name)[g] for name in names})
+            wanted = pick(judged, verdict, clearance, one, limit_scale=True, checks=9)
+            chex.assert_trees_all_close(jax.tree.map(lambda x, g=g: x[g], got), wanted, atol=1e-6)
+
+
+def test_nothing_to_choose_from(made_graph: MotionGraph) -> None:
+    rng = np.random.default_rng(1)
+    ball = throw(rng)
+    far = Attack(times=ball.times, centres=ball.centres + 40.0, radii=ball.radii)
+    got = sweep_energies(made_graph, 0, far, GRID)
+    assert got.status.tolist() == [NO_CANDIDATE] * len(GRID)
+    assert (got.crop, got.candidates) == (None, None)
+    assert np.isnan(got.total).all()
+    narrow = AvoidanceConfig(T_window=1e-3)
+    got = sweep_energies(made_graph, 0, ball, GRID[:1], config=narrow)
+    assert got.path(0) == ()
+    assert got.part(0) is None
+
+
+def test_bad_settings(made_graph: MotionGraph) -> None:
+    ball = throw(np.random.default_rng(1))
+    for grid, words in (
+        ([], "no settings"),
+        ([EnergyConfig(), EnergyConfig(d0="paper")], "2 forms"),
+        ([EnergyConfig(D_body=0.0)], "energy.D_body"),
+    ):
+        with pytest.raises(ConfigError, match=words):
+            sweep_energies(made_graph, 0, ball, grid)
+    sliced = AvoidanceConfig(culling="paper")
+    with pytest.raises(ConfigError, match="culling = 'paper'"):
+        sweep_energies(made_graph, 0, ball, GRID, config=sliced)
+    broken = Attack(times=ball.times, centres=ball.centres * np.nan, radii=ball.radii)
+    with pytest.raises(AttackError, match="not finite"):
+        sweep_energies(made_graph, 0, broken, GRID)

@@ -1,0 +1,251 @@
+from __future__ import annotations
+
+import jax
+import numpy as np
+import pytest
+
+from mgjax.clips.synthetic_skeleton import synthetic_skeleton
+from mgjax.core import kinematics, quaternion
+from mgjax.core.errors import SkeletonError
+from mgjax.core.skeleton import Skeleton
+from mgjax.hybrid import LIMBS, NOT_CONVERGED, REACHED, UNREACHABLE_FAR, find_limb, reach_pose
+from mgjax.hybrid.ik.joint_limits import clamp, joint_limits, random_rotations
+from mgjax.hybrid.ik.limbs import steady_joints
+from mgjax.hybrid.ik.pose import moved_joints
+from mgjax.hybrid.ik.rotations import chain_rotations
+from mgjax.hybrid.ik.tree import fabrik_tree
+from mgjax.io.bvh_write import save_bvh
+from mgjax.io.load import load_motion
+
+FRAMES = 16
+
+
+@pytest.fixture(scope="module")
+def skeleton() -> Skeleton:
+    return synthetic_skeleton()
+
+
+@pytest.fixture(scope="module")
+def poses(skeleton) -> tuple[np.ndarray, np.ndarray]:
+    """Poses near the rest pose, anywhere."""
+    rng = np.random.default_rng(0)
+    axes = rng.normal(size=(FRAMES, skeleton.num_joints, 3))
+    axes /= np.linalg.norm(axes, axis=-1, keepdims=True)
+    local = quaternion.from_axis_angle(axes, rng.normal(scale=0.3, size=axes.shape[:2]))
+    local[:, list(skeleton.end_joints)] = (1, 0, 0, 0)
+    return rng.uniform(-2, 2, (FRAMES, 3)).astype(np.float32), local.astype(np.float32)
+
+
+def limbs_of(skeleton: Skeleton, *names: str):
+    return tuple(find_limb(skeleton, name) for name in names)
+
+
+def places(skeleton, roots, local):
+    return kinematics.forward(skeleton, roots, np.asarray(local))
+
+
+def near(skeleton, poses, limbs, spread: float = 0.1) -> np.ndarray:
+    """Targets nearer to the base than the ends are now."""
+    joints, _ = places(skeleton, *poses)
+    rng = np.random.default_rng(1)
+    base = joints[:, limbs[0].joints[0]]
+    found = []
+    for limb in limbs:
+        moved = joints[:, limb.joints[-1]] + rng.normal(scale=spread, size=(FRAMES, 3))
+        way = moved - base
+        now = np.linalg.norm(way, axis=-1, keepdims=True)
+        found.append(base + way * np.minimum(1, 0.9 * limb.reach_m / now))
+    return np.stack(found, axis=1).astype(np.float32)
+
+
+def test_limbs(skeleton) -> None:
+    limb = find_limb(skeleton, "right_hand")
+    names = [skeleton.names[j] for j in limb.joints]
+    assert names[:3] == ["lowerback", "upperback", "thorax"]
+    assert names[-1] == "rfingers"
+    assert len(names) == 9
+    lengths = np.linalg.norm(np.asarray(skeleton.offsets)[list(limb.joints[1:])], axis=-1)
+    assert limb.reach_m == pytest.approx(lengths.sum())
+    steady = steady_joints(skeleton, (limb,))
+    assert [skeleton.names[j] for j in steady] == ["lowerneck", "lclavicle"]
+    with pytest.raises(SkeletonError, match="'tail', expected one of right_hand"):
+        find_limb(skeleton, "tail")
+    bare = Skeleton(names=("a", "b"), parents=(-1, 0), offsets=np.zeros((2, 3), np.float32))
+    with pytest.raises(SkeletonError, match="found no joint for 'head'"):
+        find_limb(bare, "head")
+
+
+@pytest.mark.parametrize("name", LIMBS)
+def test_one_limb_reaches_and_the_rest_stays(skeleton, poses, name) -> None:
+    (limb,) = limbs_of(skeleton, name)
+    targets = near(skeleton, poses, (limb,))
+    local, status = reach_pose(skeleton, *poses, targets, limbs=(limb,))
+    assert (np.asarray(status) == REACHED).all()
+    old, old_turns = places(skeleton, *poses)
+    new, new_turns = places(skeleton, poses[0], local)
+    np.testing.assert_allclose(new[:, limb.joints[-1]], targets[:, 0], atol=1.5e-3)
+    lengths = np.linalg.norm(np.asarray(skeleton.offsets), axis=-1)[1:]
+    parents = list(skeleton.parents[1:])
+    np.testing.assert_allclose(
+        np.linalg.norm(new[:, 1:] - new[:, parents], axis=-1), lengths[None].repeat(FRAMES, 0),
+        atol=1e-5,
+    )  # fmt: skip
+    legs = [j for j, n in enumerate(skeleton.names) if n[1:] in ("femur", "tibia", "foot", "toes")]
+    np.testing.assert_array_equal(new[:, legs], old[:, legs])
+    for joint in steady_joints(skeleton, (limb,)):
+        turned = quaternion.angle_between(old_turns[:, joint], new_turns[:, joint])
+        assert turned.max() < 2e-3
+    np.testing.assert_allclose(np.linalg.norm(local, axis=-1), 1, atol=1e-5)
+
+
+def test_twist_is_kept(skeleton, poses) -> None:
+    # A bone's turn in the world is a swing: its axis is square to the old bone.
+    (limb,) = limbs_of(skeleton, "left_hand")
+    local, _ = reach_pose(skeleton, *poses, near(skeleton, poses, (limb,)), limbs=(limb,))
+    old, old_turns = places(skeleton, *poses)
+    _, new_turns = places(skeleton, poses[0], local)
+    for joint, child in zip(limb.joints[1:], limb.joints[2:], strict=False):
+        bone = old[:, child] - old[:, joint]
+        bone = bone / np.maximum(np.linalg.norm(bone, axis=-1, keepdims=True), 1e-9)
+        back = quaternion.conjugate(old_turns[:, joint])
+        turn = quaternion.multiply(new_turns[:, joint], back)
+        if np.linalg.norm(np.asarray(skeleton.offsets)[child]) > 0:
+            assert np.abs(np.sum(turn[:, 1:] * bone, axis=-1)).max() < 1e-3
+
+
+def test_chain_rotations_by_hand(body) -> None:
+    # thorax → left upper arm → its end: the arm points to +x and is to point up.
+    chain = (1, 11, 12)
+    rest = np.zeros((15, 4), np.float32)
+    rest[:, 0] = 1
+    root = np.zeros(3, np.float32)
+    joints, _ = kinematics.forward(body, root, rest)
+    wanted = joints[list(chain)]
+    wanted[2] = wanted[1] + [0, 0.3, 0]
+    local = chain_rotations(body, root, rest, chain, wanted)
+    half = np.sqrt(0.5)
+    np.testing.assert_allclose(local[11], [half, 0, 0, half], atol=1e-6)
+    others = np.delete(np.asarray(local), 11, axis=0)
+    np.testing.assert_allclose(others, np.delete(rest, 11, axis=0), atol=1e-6)
+    on_device = chain_rotations(body, *map(jax.numpy.asarray, (root, rest)), chain, wanted)
+    np.testing.assert_allclose(on_device, local, atol=1e-6)
+
+
+def test_both_hands_and_the_head_at_once(skeleton, poses) -> None:
+    # Where the ends are in other poses, so that all can be met at once.
+    limbs = limbs_of(skeleton, *LIMBS)
+    other = np.roll(poses[1], 1, axis=0)
+    other[:, 0] = poses[1][:, 0]
+    targets = places(skeleton, poses[0], other)[0][:, [limb.joints[-1] for limb in limbs]]
+    local, status = reach_pose(skeleton, *poses, targets, limbs=limbs)
+    new, _ = places(skeleton, poses[0], local)
+    ends = new[:, [limb.joints[-1] for limb in limbs]]
+    met = np.linalg.norm(ends - targets, axis=-1) < 1.5e-3
+    reached = np.asarray(status) == REACHED
+    assert met[reached].all()
+    assert reached.all(axis=1).mean() > 0.9
+    one, one_status = reach_pose(skeleton, poses[0][3], poses[1][3], targets[3], limbs=limbs)
+    np.testing.assert_allclose(one, local[3], atol=1e-4)
+    assert one_status.shape == (3,)
+
+
+def test_a_target_too_far_does_not_spoil_the_others(skeleton, poses) -> None:
+    limbs = limbs_of(skeleton, *LIMBS)
+    targets = near(skeleton, poses, limbs, spread=0.02)
+    targets[:, 0] = poses[0] + np.array([-5, 0, 0], np.float32)
+    _, status = reach_pose(skeleton, *poses, targets, limbs=limbs)
+    assert (np.asarray(status)[:, 0] == UNREACHABLE_FAR).all()
+
+
+def test_limbs_that_are_no_tree(skeleton, poses) -> None:
+    hand = find_limb(skeleton, "left_hand")
+    targets = np.zeros((FRAMES, 2, 3), np.float32)
+    with pytest.raises(SkeletonError, match="each once"):
+        reach_pose(skeleton, *poses, targets, limbs=(hand, hand))
+
+
+@pytest.fixture(scope="module")
+def arm() -> tuple:
+    """Six joints along x: a ball, hinges and balls, the last one the end."""
+    offsets = np.zeros((6, 3), np.float32)
+    offsets[1:, 0] = (0.2, 0.25, 0.3, 0.25, 0.1)
+    bones = np.repeat([[1.0, 0, 0]], 6, axis=0)
+    ball = [-0.6, 0.8, -0.5, 0.9]
+    limits = joint_limits(
+        bones,
+        swing=[ball, ball, [0, 2.2, 0, 0], ball, [-0.9, 0.9, 0, 0], [-3, 3, -3, 3]],
+        twist=[[-0.3, 0.3], [-0.7, 0.7], [0, 0], [-0.5, 0.5], [0, 0], [-3, 3]],
+        across=[[0, 0, 1.0]] * 6,
+    )
+    return offsets, limits, {"parents": (-1, 0, 1, 2, 3, 4), "ends": (5,)}
+
+
+def ends_of(offsets: np.ndarray, local: np.ndarray) -> np.ndarray:
+    names = tuple("abcdef")
+    chain = Skeleton(names=names, parents=(-1, 0, 1, 2, 3, 4), offsets=offsets)
+    return kinematics.forward(chain, np.zeros((len(local), 3), np.float32), local)[0][:, -1]
+
+
+def test_limits_are_kept_and_targets_inside_them_reached(arm) -> None:
+    offsets, limits, tree = arm
+    rng = np.random.default_rng(0)
+    goal = ends_of(offsets, random_rotations(rng, 128, limits))[:, None]
+    start = random_rotations(rng, 128, limits)
+    base = np.zeros((128, 3), np.float32)
+    found, status = fabrik_tree(offsets, base, start, goal, limits=limits, **tree)
+    reached = np.asarray(status)[:, 0] == REACHED
+    assert reached.mean() > 0.97
+    found = np.asarray(found)
+    np.testing.assert_allclose(ends_of(offsets, found)[reached], goal[reached, 0], atol=1.5e-3)
+    moved = quaternion.angle_between(clamp(found, limits)[:, :-1], found[:, :-1])
+    assert moved.max() < 2e-3
+    # Straight back is within the length of the chain, but not within its limits.
+    behind = np.repeat(np.array([[[-0.9, 0, 0]]], np.float32), 128, axis=0)
+    _, status = fabrik_tree(offsets, base, start, behind, limits=limits, **tree)
+    assert (np.asarray(status) == NOT_CONVERGED).all()
+
+
+def test_stages_alone_reach_without_limits(arm) -> None:
+    offsets, limits, tree = arm
+    rng = np.random.default_rng(1)
+    goal = 0.8 * ends_of(offsets, random_rotations(rng, 128, limits))[:, None]
+    start = random_rotations(rng, 128, limits)
+    base = np.zeros((128, 3), np.float32)
+    _, status = fabrik_tree(offsets, base, start, goal, max_iterations=64, max_steps=0, **tree)
+    assert (np.asarray(status) == REACHED).mean() > 0.95
+
+
+def test_the_result_is_written_and_read(skeleton, poses, tmp_path) -> None:
+    from mgjax.core.motion import Motion
+
+    (limb,) = limbs_of(skeleton, "right_hand")
+    targets = near(skeleton, poses, (limb,))
+    local, _ = reach_pose(skeleton, *poses, targets, limbs=(limb,))
+    motion = Motion(root_translation=poses[0], local_rotations=np.asarray(local), frame_rate=30.0)
+    save_bvh(tmp_path / "reach.bvh", skeleton, motion)
+    again, read = load_motion(tmp_path / "reach.bvh")
+    joints = kinematics.global_positions(again, read)
+    end = again.index(skeleton.names[limb.joints[-1]])
+    np.testing.assert_allclose(joints[:, end], targets[:, 0], atol=2e-3)
+
+
+@pytest.mark.parametrize(
+    "file",
+    [
+        "locomotion/cmu16/16_08.amc",
+        "locomotion/cmu131_bvh/131_01.bvh",
+        "ball/cmu135_bvh/135_04.bvh",
+    ],
+)
+def test_captured_skeletons(capture, file) -> None:
+    skeleton, motion = load_motion(capture / file)
+    roots = np.asarray(motion.root_translation[:FRAMES], np.float32)
+    local = np.asarray(motion.local_rotations[:FRAMES], np.float32)
+    for name in LIMBS:
+        limb = find_limb(skeleton, name)
+        assert moved_joints((limb,)) == limb.joints
+        targets = near(skeleton, (roots, local), (limb,))
+        found, status = reach_pose(skeleton, roots, local, targets, limbs=(limb,))
+        assert (np.asarray(status) == REACHED).all()
+        joints, _ = places(skeleton, roots, found)
+        np.testing.assert_allclose(joints[:, limb.joints[-1]], targets[:, 0], atol=1.5e-3)

@@ -1,0 +1,358 @@
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+
+from mgjax.clips.folder import load_clips
+from mgjax.clips.synthetic import synthetic_clips
+from mgjax.core import planar
+from mgjax.core.errors import ConfigError, GraphError
+from mgjax.core.kinematics import global_positions, planar_frames
+from mgjax.graph.build import build_graph
+from mgjax.graph.config import GraphConfig
+from mgjax.graph.types import MotionGraph
+from mgjax.hybrid import follow, make_sketch
+from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.paths.beam import run_beam
+from mgjax.hybrid.paths.branch_and_bound import branch_and_bound
+from mgjax.hybrid.paths.curve import make_curve
+from mgjax.hybrid.paths.frontier import Front, Search
+from mgjax.hybrid.paths.kernel import Request, bound, extend, make_request
+from mgjax.hybrid.paths.macro_edges import NO_PIECE, Strides, stride_tables
+from mgjax.hybrid.paths.result import lay_out
+from mgjax.hybrid.paths.sketch import PathError, Sketch
+from tests.hybrid.paths.made import walking
+from tests.reference import path as reference
+
+LINE = make_sketch([[0, 0], [0, 4]])
+BENT = make_sketch([[1, 1], [1, 2], [2, 3]])
+
+
+@pytest.fixture(scope="module")
+def graph() -> MotionGraph:
+    return walking()
+
+
+def started(
+    graph: MotionGraph, sketch: Sketch, config: PathConfig, node: int
+) -> tuple[Search, Front]:
+    curve = make_curve(sketch)
+    search = Search(strides=stride_tables(graph), request=make_request(curve, sketch, config))
+    state = np.zeros((1, 5), np.float32)
+    state[0, :3] = curve.start()
+    return search, search.begin(state, np.array([node]))
+
+
+def edges_of(graph: MotionGraph, search: Search, record: int, stride: int) -> list[int]:
+    pieces = search.strides.pieces
+    _, played = search.chain(record, stride)
+    return [int(pieces.edge[p]) for p in played if pieces.source[p] < graph.num_nodes]
+
+
+def walking_nodes(graph: MotionGraph, count: int) -> list[int]:
+    """Nodes from which the body moves on at once."""
+    tables = stride_tables(graph)
+    way = np.maximum.reduceat(tables.arc / tables.frames, tables.first[:-1])[: graph.num_nodes]
+    return np.argsort(-way)[:: max(len(way) // (3 * count), 1)][:count].tolist()
+
+
+def test_strides_are_all_walks(graph: MotionGraph) -> None:
+    tables = stride_tables(graph)
+    pieces = tables.pieces
+    assert pieces.frames.max() <= tables.delta
+    assert (np.bincount(pieces.edge, pieces.frames) == graph.edge_frames).all()
+    for stop in range(0, len(pieces.plane), 7):
+        expected = set()
+        stack: list[tuple[int, tuple[int, ...], int]] = [(stop, (), 0)]
+        while stack:
+            here, played, frames = stack.pop()
+            if frames >= tables.delta:
+                expected.add((played, here, frames))
+                continue
+            for p in pieces.out[pieces.out_first[here] : pieces.out_first[here + 1]].tolist():
+                stack.append((int(pieces.target[p]), (*played, p), frames + int(pieces.frames[p])))
+        found = {
+            (
+                tuple(p for p in tables.members[k].tolist() if p != NO_PIECE),
+                int(tables.target[k]),
+                int(tables.frames[k]),
+            )
+            for k in range(tables.first[stop], tables.first[stop + 1])
+        }
+        assert found == expected
+
+
+def test_tracks_are_those_of_the_edges(graph: MotionGraph) -> None:
+    tables = stride_tables(graph)
+    start = np.array([0.7, 1.0, -2.0])
+    for node in walking_nodes(graph, 5):
+        stride = int(tables.first[node])
+        pieces = [int(p) for p in tables.members[stride] if p != NO_PIECE]
+        track = lay_out(graph, tables.pieces, pieces, start)
+        body: tuple[float, float, float] = (0.7, 1.0, -2.0)
+        places: list[tuple[float, float]] = []
+        for edge in dict.fromkeys(tables.pieces.edge[pieces].tolist()):
+            more, body = reference.edge_track(graph, edge, *body)
+            places += more
+        count = len(track.places)
+        np.testing.assert_allclose(track.places, np.array(places)[:count], atol=1e-4)
+        own = np.asarray(tables.track)[stride, :2, :count].T
+        there = planar.apply(start, np.stack([own[:, 0], 0 * own[:, 0], own[:, 1]], axis=-1))
+        np.testing.assert_allclose(np.asarray(there)[:, ::2], track.places, atol=1e-4)
+        np.testing.assert_allclose(
+            np.asarray(tables.track)[stride, 2, :count], track.arc, atol=1e-4
+        )
+        end = planar.compose(start, tables.end[stride])
+        np.testing.assert_allclose(np.asarray(end), track.end, atol=1e-5)
+
+
+def test_discs_hold_every_walk(graph: MotionGraph) -> None:
+    tables = stride_tables(graph)
+    rng = np.random.default_rng(0)
+    ahead, track = np.asarray(tables.ahead), np.asarray(tables.track)
+    for stop in rng.integers(0, len(tables.first) - 1, 40).tolist():
+        one = int(rng.integers(tables.first[stop], tables.first[stop + 1]))
+        after = int(tables.target[one])
+        two = int(rng.integers(tables.first[after], tables.first[after + 1]))
+        own = track[one, :3, : tables.frames[one]]
+        moved = planar.apply(
+            tables.end[one], np.stack([track[two, 0], 0 * track[two, 0], track[two, 1]], axis=-1)
+        )
+        rest = np.stack(
+            [np.asarray(moved)[:, 0], np.asarray(moved)[:, 2], track[two, 2] + own[2, -1]]
+        )
+        way = np.concatenate([own, rest], axis=1)[:, : 2 * tables.delta]
+        disc = ahead[stop, :, : way.shape[1]]
+        off = np.linalg.norm(way[:2] - disc[:2], axis=0) + np.abs(way[2] - disc[2])
+        assert (off <= disc[3] + 1e-4).all()
+
+
+def extended(
+    tables: Strides, request: Request, arrays: tuple[np.ndarray, ...], count: int
+) -> np.ndarray:
+    padded = [
+        np.concatenate([x, np.zeros((count - len(x), *x.shape[1:]), x.dtype)]) for x in arrays
+    ]
+    return np.asarray(extend(tables.track, tables.manner, request, *padded))[:, : len(arrays[0])]
+
+
+def test_extension_by_loops(graph: MotionGraph) -> None:
+    """Costs, completion and strays are those of plain loops; padding and jit change nothing."""
+    tables = stride_tables(graph)
+    config = PathConfig(near_m=0.5)
+    for sketch in (LINE, make_sketch([[1, 1], [1, 1.6]])):
+        curve = make_curve(sketch)
+        request = make_request(curve, sketch, config)
+        nodes = walking_nodes(graph, 4)
+        strides = np.concatenate([np.arange(tables.first[n], tables.first[n + 1]) for n in nodes])
+        strides = strides[:60].astype(np.int32)
+        state = np.zeros((len(strides), 5), np.float32)
+        state[:, :3] = curve.start()
+        frames = np.stack([tables.frames[strides], np.full(len(strides), 12)], axis=1)
+        frames = frames.astype(np.int32)
+
+        arrays = (state, strides, frames)
+        costs = extended(tables, request, arrays, 256)
+        np.testing.assert_array_equal(costs, extended(tables, request, arrays, 768))
+        with jax.disable_jit():
+            eager = extended(tables, request, arrays, 256)
+        np.testing.assert_allclose(costs, eager, rtol=1e-5, atol=1e-7)
+        seen = set()
+        for i, stride in enumerate(strides.tolist()):
+            pieces = tables.members[stride]
+            edges = list(dict.fromkeys(tables.pieces.edge[pieces[pieces != NO_PIECE]].tolist()))
+            expected, count, complete = reference.walk_cost(
+                graph, edges, sketch.points, curve.start(), int(frames[i].min()), 1.0, 0.5
+            )
+            seen.add((complete, expected < math.inf))
+            value = costs[1, i] if complete else costs[0, i]
+            np.testing.assert_allclose(value, expected, rtol=1e-3, atol=2e-5)
+            assert complete == (costs[1, i] < math.inf)
+            if complete:
+                assert (int(costs[2, i]), costs[0, i]) == (count, math.inf)
+        assert (False, True) in seen
+
+
+def test_bound_is_admissible(graph: MotionGraph) -> None:
+    tables = stride_tables(graph)
+    search, front = started(graph, BENT, PathConfig(near_m=3.0), walking_nodes(graph, 1)[0])
+    rng = np.random.default_rng(1)
+    for _ in range(4):
+        front = search.expand(front, 1000, math.inf)[0]
+        rows = rng.permutation(len(front.stop))[:20]
+        front = front.pick(rows)
+        front.state[:, :3] += rng.normal(0, [0.3, 0.1, 0.1], (len(rows), 3)).astype(np.float32)
+        horizon = int(front.frames.max()) + 15
+        least = search.bounds(front, horizon)
+        for i in range(len(rows)):
+            one = front.pick(slice(i, i + 1))
+            costs = [math.inf]
+            walks = one
+            while len(walks.stop):
+                walks, complete, reached = search.expand(walks, horizon, math.inf)
+                costs += [leaf.cost for leaf in (complete, reached) if leaf is not None]
+            assert least[i] <= min(costs) + 1e-5
+    assert least.max() > front.state[:, 4].min()
+    ahead = tables.ahead
+    with jax.disable_jit():
+        arrays = (
+            front.state,
+            front.stop.astype(np.int32),
+            (horizon - front.frames).astype(np.int32),
+        )
+        np.testing.assert_allclose(
+            least - front.state[:, 4], bound(ahead, search.request, *arrays), rtol=1e-4, atol=1e-6
+        )
+
+
+@pytest.mark.parametrize("blend_weight", [0.0, 1.0])
+@pytest.mark.parametrize(
+    ("sketch", "horizon"), [(LINE, 30), (BENT, 38), (make_sketch([[0, 0], [0, 1]]), 45)]
+)
+def test_optimum_is_that_of_all_walks(
+    graph: MotionGraph, sketch: Sketch, horizon: int, blend_weight: float
+) -> None:
+    config = PathConfig(blend_weight=blend_weight, near_m=0.6)
+    curve = make_curve(sketch)
+    compared = 0
+    for node in walking_nodes(graph, 6):
+        expected, _ = reference.exhaustive(
+            graph, node, sketch.points, curve.start(), horizon, blend_weight, 0.6
+        )
+        search, begin = started(graph, sketch, config, node)
+        leaf, proven, over = branch_and_bound(search, begin, horizon=horizon, expansions=10**6)
+        assert (proven, over) == (True, False)
+        if leaf is None:
+            assert expected == math.inf
+            continue
+        compared += 1
+        edges = edges_of(graph, search, leaf.record, leaf.stride)
+        cost, count, complete = reference.walk_cost(
+            graph, edges, sketch.points, curve.start(), horizon, blend_weight, 0.6
+        )
+        assert cost == pytest.approx(expected, rel=1e-3, abs=2e-5)
+        assert leaf.cost == pytest.approx(expected, rel=1e-2, abs=5e-5)  # P is read to 0.5 mm
+        assert (count, complete) == (leaf.frames, leaf.complete)
+        # A beam is never better, and as a walk to beat it does not change the optimum.
+        search, begin = started(graph, sketch, config, node)
+        beam = run_beam(search, begin, width=8, horizon=horizon)
+        again, proven, _ = branch_and_bound(
+            search, begin, horizon=horizon, best=beam.best, expansions=10**6
+        )
+        assert proven
+        assert again is not None
+        assert again.cost == pytest.approx(leaf.cost, rel=1e-6)
+        assert beam.best is None or beam.best.cost >= leaf.cost - 1e-6
+    assert compared >= 2
+
+
+@pytest.mark.parametrize("method", ["beam", "exact"])
+def test_follows(graph: MotionGraph, method: str) -> None:
+    config = PathConfig(method=method)
+    result = follow(graph, BENT, config=config)
+    assert result.status == "followed"
+    assert result.failed_at is None
+    assert result.mean_distance < 0.15
+    assert result.track.arc[-1] == pytest.approx(make_curve(BENT).length, abs=0.1)
+    # What is reported is what is in the motion.
+    positions = np.asarray(global_positions(graph.skeleton, result.motion), dtype=np.float64)
+    assert len(positions) == result.frames + 1
+    np.testing.assert_allclose(positions[1:, 0, ::2], result.track.places, atol=1e-4)
+    bodies = np.asarray(planar_frames(graph.skeleton, positions))
+    np.testing.assert_allclose(bodies[0], result.start, atol=1e-4)
+    expected, count, complete = reference.walk_cost(
+        graph, result.walk.edges.tolist(), BENT.points, result.start, 10**6, 0.0, math.inf
+    )
+    assert result.error == pytest.approx(expected, rel=0.03)  # seams are a few mm off
+    assert (count, complete) == (result.frames, True)
+    assert 0 <= result.slide < 0.02
+    if method == "exact":
+        assert 1 <= result.proven <= result.windows
+    again = follow(graph, BENT, config=config)
+    assert again.walk.edges.tolist() == result.walk.edges.tolist()
+
+
+def test_from_a_node_and_a_place(graph: MotionGraph) -> None:
+    node = walking_nodes(graph, 1)[0]
+    start = np.array([0.2, 0.1, 0.0])
+    result = follow(graph, LINE, config=PathConfig(method="beam"), node=node, start=start)
+    assert graph.edge_source[result.walk.edges[0]] == node
+    np.testing.assert_array_equal(result.start, start)
+
+
+def test_wanted_speed() -> None:
+    graph = walking(("walk", "walk_curve", "steps", "turns"), 5)
+    speeds = {}
+    for speed in (0.4, 1.1):
+        result = follow(
+            graph, make_sketch([[0, 0], [0, 3]], speed=speed), config=PathConfig(speed_weight=1.0)
+        )
+        speeds[speed] = result.track.speed.mean()
+    assert speeds[0.4] < speeds[1.1] - 0.1
+
+
+def test_obstacles_and_end() -> None:
+    graph = walking(("walk", "walk_curve", "steps", "turns"), 5)
+    sketch = make_sketch([[0, 0], [0, 4]], obstacles=[[0.2, 2.0, 0.1]], end=(0.0, 4.0, math.nan))
+    result = follow(graph, sketch, config=PathConfig(method="beam", beam_width=256))
+    off = np.linalg.norm(result.track.places - [0.2, 2.0], axis=1)
+    assert result.status == "followed"
+    assert off.min() >= 0.4 - 1e-3
+    assert result.end_off[0] < 0.3
+    assert math.isnan(result.end_off[1])
+    free = follow(graph, make_sketch([[0, 0], [0, 4]]), config=PathConfig(method="beam"))
+    assert np.linalg.norm(free.track.places - [0.2, 2.0], axis=1).min() < 0.4
+
+
+@pytest.mark.parametrize("method", ["beam", "exact"])
+def test_cannot_be_followed(graph: MotionGraph, method: str) -> None:
+    sketch = make_sketch([[0, 0], [0, 3]], obstacles=[[0, 2.4, 1.2]])
+    result = follow(graph, sketch, config=PathConfig(method=method))
+    assert result.status == "lost"
+    assert result.failed_at is not None
+    assert result.failed_s is not None
+    assert 0 < result.failed_s < 1.5
+    np.testing.assert_allclose(result.failed_at, [0, result.failed_s])
+    assert result.track.places[-1, 1] == pytest.approx(result.failed_s, abs=0.05)
+    assert len(result.distance) == result.frames
+
+
+def test_time_limit(graph: MotionGraph) -> None:
+    result = follow(graph, LINE, config=PathConfig(time_limit_s=1e-9))
+    assert (result.status, result.interrupted) == ("time_limit", True)
+    result = follow(graph, LINE, config=PathConfig(method="beam", beam_width=1, time_limit_s=60.0))
+    assert (result.status, result.interrupted) == ("followed", False)
+
+
+def test_bad_requests(graph: MotionGraph) -> None:
+    with pytest.raises(ConfigError, match="node"):
+        follow(graph, LINE, node=10**6)
+    with pytest.raises(ConfigError, match="beam_width"):
+        follow(graph, LINE, config=PathConfig(beam_width=0))
+    with pytest.raises(PathError, match="begins 5"):
+        follow(graph, LINE, start=np.array([0.0, 5.0, 0.0]))
+    with pytest.raises(PathError, match="obstacle"):
+        follow(graph, make_sketch([[0, 0], [0, 3]], obstacles=[[0, 0.2, 0.1]]))
+
+
+def test_without_locomotion() -> None:
+    clips = [clip for clip in synthetic_clips()[0] if clip.name in ("stance", "duck")]
+    standing = build_graph(clips, config=GraphConfig(threshold_m=0.05, neighbourhood=10))
+    with pytest.raises(GraphError, match="without locomotion"):
+        follow(standing, LINE)
+
+
+def test_real_capture(capture: Path) -> None:
+    clips, _ = load_clips(capture / "locomotion" / "cmu16")
+    graph = build_graph(clips, config=GraphConfig(neighbourhood=5))
+    angle = np.linspace(0, 2 * np.pi, 33)[:-1]
+    circle = np.stack([3 - 3 * np.cos(angle), 3 * np.sin(angle)], axis=-1)
+    for sketch in (make_sketch([[0, 0], [0, 10]]), make_sketch(circle, closed=True, spline=True)):
+        result = follow(graph, sketch, config=PathConfig(method="beam"))
+        assert result.status == "followed"
+        assert result.mean_distance < 0.1
+        assert result.slide < 0.01
