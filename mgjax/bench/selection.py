@@ -16,11 +16,11 @@ from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
-from mgjax.avoidance.choice.choosing import best_of, choose, lookup_candidates
+from mgjax.avoidance.choice.choosing import best_of, choose
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling.candidates import PIXELS, graph_slices
 from mgjax.avoidance.energy.score import judge
-from mgjax.avoidance.index.index import GridIndex
+from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.many.attacks import select_batch
 from mgjax.graph.types import NO_EDGE, MotionGraph
 
@@ -56,7 +56,7 @@ def random_balls(graph: MotionGraph, count: int, seed: int) -> list[Ball]:
 
 def condition_rows(
     graph: MotionGraph,
-    index: GridIndex,
+    index: CandidateIndex,
     balls: Sequence[Ball],
     *,
     repeats: int = 3,
@@ -120,7 +120,7 @@ def condition_rows(
 
 
 def _counts(
-    graph: MotionGraph, index: GridIndex, ball: Ball, config: AvoidanceConfig
+    graph: MotionGraph, index: CandidateIndex, ball: Ball, config: AvoidanceConfig
 ) -> tuple[tuple[int, int], bool]:
     """Candidates looked up and enumerated; whether the index answers."""
     crop = crop_attack(ball.attack, radius=config.crop_radius_m, height=config.crop_height_m)
@@ -129,9 +129,11 @@ def _counts(
     every = enumerate_candidates(
         graph, tables, ball.node, crop.middle, window=config.T_window, capacity=config.capacity
     )
-    found = lookup_candidates(index, ball.node, ball.attack, crop, config)
-    if found is None or not len(found.length):
+    known = index.in_time(ball.node, crop.middle, config.T_window)
+    touched = None if known is None else index.touched(known, ball.attack, crop)
+    if known is None or touched is None or not touched.any():
         return (0, len(every.length)), False
+    found = index.walks(known[touched])
     settled = best_of(graph, ball.node, ball.attack, crop, found, config)
     # Where the index holds nothing that is clear, the other candidates are enumerated after all.
     answered = settled.choice is not None and settled.choice.status == "avoided"
@@ -239,7 +241,7 @@ def _timed(work: Callable[[], Any], repeats: int) -> dict[str, Any]:
 
 
 def selection_rows(
-    graph: MotionGraph, index: GridIndex, *, balls: int = 200, progress: bool = False
+    graph: MotionGraph, index: CandidateIndex, *, balls: int = 200, progress: bool = False
 ) -> dict[str, Any]:
     """Everything ``mgjax bench selection`` prints."""
     thrown = random_balls(graph, balls, 0)

@@ -19,14 +19,7 @@ from mgjax.avoidance.choice.start import validate_start
 from mgjax.avoidance.choice.verify import Settled, better_of, settle
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.culling.candidates import without_culled
-from mgjax.avoidance.index.index import (
-    GridIndex,
-    lookup,
-    paths_in_time,
-    touched_paths,
-    walks_of,
-)
-from mgjax.avoidance.index.swept_cells import swept_cells
+from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.graph.types import MotionGraph
 
 
@@ -37,7 +30,7 @@ def choose(
     *,
     config: AvoidanceConfig,
     seed: int = 0,
-    index: GridIndex | None = None,
+    index: CandidateIndex | None = None,
 ) -> Choice:
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
@@ -55,15 +48,13 @@ def choose(
     known = None if index is None else _known(index, node, crop, config)
     before, others = None, None
     if index is not None and known is not None:
-        cells = swept_cells(attack, crop)
-        touched = np.zeros(len(known), bool)
-        if cells is not None:
-            touched = touched_paths(index, known, cells)
-            looked_up = walks_of(index, known[touched])
+        touched = index.touched(known, attack, crop)
+        if touched is not None:
+            looked_up = index.walks(known[touched])
             before = best_of(graph, node, attack, crop, looked_up, config)
             if before.choice is not None and before.choice.status == "avoided":
                 return before.choice
-        others = walks_of(index, known[~touched])
+        others = index.walks(known if touched is None else known[~touched])
     if others is None:
         others = enumerate_candidates(
             graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
@@ -77,10 +68,10 @@ def choose(
 
 
 def _known(
-    index: GridIndex, node: int, crop: Crop, config: AvoidanceConfig
+    index: CandidateIndex, node: int, crop: Crop, config: AvoidanceConfig
 ) -> Int[np.ndarray, " C"] | None:
     """The paths of the index that satisfy eq. 1; None if it cannot say, or if they are too many."""
-    paths = paths_in_time(index, node, crop.middle, config.T_window)
+    paths = index.in_time(node, crop.middle, config.T_window)
     return None if paths is None or len(paths) > config.capacity else paths
 
 
@@ -89,13 +80,6 @@ def _nothing(
 ) -> Choice:
     walk = idle(graph, node, attack, config, seed)
     return Choice(status="no_candidate", node=node, walk=walk)
-
-
-def lookup_candidates(
-    index: GridIndex, node: int, attack: Attack, crop: Crop, config: AvoidanceConfig
-) -> Candidates | None:
-    """The candidates whose avoidance volume the attack touches (§5.1), or None if unknown."""
-    return lookup(index, node, swept_cells(attack, crop), crop.middle, config.T_window)
 
 
 def best_of(

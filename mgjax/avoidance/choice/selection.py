@@ -14,7 +14,7 @@ from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import extend
 from mgjax.avoidance.choice.results import Choice
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.index.index import GridIndex
+from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.avoidance.timing.time_warp import (
     TimeWarp,
@@ -55,7 +55,7 @@ def select(
     *,
     config: AvoidanceConfig | None = None,
     seed: int = 0,
-    index: GridIndex | None = None,
+    index: CandidateIndex | None = None,
 ) -> Selection:
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
@@ -72,8 +72,8 @@ def select(
         attack: in the planar frame of the body at the node.
         config: settings.
         seed: for the walk that is taken where there is no candidate.
-        index: the graph's grid index, from which candidates are looked up (§5.1); without it, or
-            where it holds none that is clear, they are enumerated.
+        index: of the graph (:func:`mgjax.avoidance.build_index`), in which candidates are looked up
+            (§5.1); without it, or where it holds none that is clear, they are enumerated.
 
     Raises:
         AttackError: the attack is not finite, or begins inside the body.
