@@ -9,10 +9,9 @@ import jax
 from mgjax.avoidance.body.device_tables import DeviceTables, device_tables
 from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
 from mgjax.avoidance.body.poses import GraphPoses, PosedGraph, body_reach, graph_poses
-from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig, validate_config
 from mgjax.avoidance.culling.pictures import Slices, build_slices
-from mgjax.avoidance.index.index import GridIndex
+from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.core.errors import ConfigError
 from mgjax.graph.cache import cached
 from mgjax.graph.types import MotionGraph
@@ -39,11 +38,14 @@ class Prepared:
     device: DeviceTables
     posed: PosedGraph
     slices: Slices | None
-    index: GridIndex | None
+    index: CandidateIndex | None
 
 
 def prepare(
-    graph: MotionGraph, config: AvoidanceConfig | None = None, *, index: GridIndex | None = None
+    graph: MotionGraph,
+    config: AvoidanceConfig | None = None,
+    *,
+    index: CandidateIndex | None = None,
 ) -> Prepared:
     """Makes everything that searches on a graph share; it takes about a second.
 
@@ -67,7 +69,7 @@ def prepare(
 
 
 def prepared_for(
-    graph: MotionGraph | Prepared, config: AvoidanceConfig, index: GridIndex | None = None
+    graph: MotionGraph | Prepared, config: AvoidanceConfig, index: CandidateIndex | None = None
 ) -> Prepared:
     """What was prepared, or what is kept for a graph; an ``index`` replaces that of the former.
 
@@ -96,9 +98,9 @@ class _Made:
 
 
 def _make(graph: MotionGraph, config: AvoidanceConfig) -> _Made:
-    spheres = preset_spheres(graph.skeleton)
-    poses, reach = graph_poses(graph, spheres), body_reach(graph.skeleton, spheres)
     tables = edge_tables(graph, config.body_rate)
+    poses = graph_poses(graph, tables.spheres)
+    reach = body_reach(graph.skeleton, tables.spheres)
     posed = PosedGraph(graph=graph, poses=poses, reach=reach)
     device = device_tables(posed, tables, config.speed)
     return _Made(tables=tables, device=device, poses=poses, reach=reach)
@@ -113,7 +115,7 @@ def _joined(
     config: AvoidanceConfig,
     made: _Made,
     slices: Slices | None,
-    index: GridIndex | None,
+    index: CandidateIndex | None,
 ) -> Prepared:
     return Prepared(
         graph=graph,

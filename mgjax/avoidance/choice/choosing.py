@@ -17,8 +17,7 @@ from mgjax.avoidance.choice.search import Query, on_device, search_input, search
 from mgjax.avoidance.choice.start import validate_start
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.culling.candidates import without_culled
-from mgjax.avoidance.index.index import GridIndex, paths_in_time, touched_paths, walks_of
-from mgjax.avoidance.index.swept_cells import swept_cells
+from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.graph.types import MotionGraph
 
@@ -30,7 +29,7 @@ def choose(
     *,
     config: AvoidanceConfig,
     seed: int = 0,
-    index: GridIndex | None = None,
+    index: CandidateIndex | None = None,
 ) -> Choice:
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
@@ -49,16 +48,14 @@ def choose(
     in_time = None if index is None else _in_time(index, node, crop, config)
     before, candidates = None, None
     if index is not None and in_time is not None:
-        cells = swept_cells(attack, crop)
-        touched = np.zeros(len(in_time), bool)
-        if cells is not None:
-            touched = touched_paths(index, in_time, cells)
-            looked_up = walks_of(index, in_time[touched])
+        touched = index.touched(in_time, attack, crop)
+        if touched is not None:
+            looked_up = index.walks(in_time[touched])
             query = Query(node=node, attack=attack, crop=crop, candidates=looked_up)
             before = best_of(prepared, query, config)
             if before.choice is not None and before.choice.status == Status.AVOIDED:
                 return before.choice
-        candidates = walks_of(index, in_time[~touched])
+        candidates = index.walks(in_time if touched is None else in_time[~touched])
     if candidates is None:
         candidates = enumerate_candidates(
             prepared.graph,
@@ -78,10 +75,10 @@ def choose(
 
 
 def _in_time(
-    index: GridIndex, node: int, crop: Crop, config: AvoidanceConfig
+    index: CandidateIndex, node: int, crop: Crop, config: AvoidanceConfig
 ) -> Int[np.ndarray, " C"] | None:
     """The paths of the index that satisfy eq. 1; None if it cannot say, or if they are too many."""
-    paths = paths_in_time(index, node, crop.middle, config.T_window)
+    paths = index.in_time(node, crop.middle, config.T_window)
     return None if paths is None or len(paths) > config.capacity else paths
 
 
