@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Circle
 
-from mgjax.avoidance.attacks.ball import BALL_RADIUS_M
+from mgjax.avoidance.config import BALL_RADIUS_M
 from mgjax.avoidance.coverage.shares import cells, outcomes, worst_cells
 from mgjax.avoidance.coverage.throws import Coverage
 from mgjax.avoidance.many.attacks import AVOIDED, HIT, NO_CANDIDATE

@@ -10,12 +10,10 @@ from jaxtyping import Float
 from scipy.optimize import minimize_scalar, root_scalar
 
 from mgjax.avoidance.attacks.attack import MAX_SECONDS, Attack
+from mgjax.avoidance.config import BALL_RADIUS_M
 from mgjax.core.errors import AttackError
 
 GRAVITY_M_S2 = 9.8
-
-
-BALL_RADIUS_M = 0.12
 
 
 BEYOND_M = 3.0
