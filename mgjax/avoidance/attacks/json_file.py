@@ -189,8 +189,7 @@ class _Document:
         try:
             return function(*args, **more)
         except AttackError as error:
-            got, _, expected = str(error).removeprefix("got ").rpartition(", expected ")
-            self.fail(where, got, expected)
+            self.fail(where, error.got, error.expected)
 
 
 def _kind(value: Any) -> str:
