@@ -22,7 +22,7 @@ import numpy as np
 from experiments.ballsport.aim_checks import Passes, checked, random_passes
 from experiments.ballsport.aim_plot import convergence_figure, frames_figure, success_figure
 from mgjax.ballsport import BallPhysics, aim, aim_batch, choose_frame, fly
-from mgjax.ballsport.aiming.problem import Launch, flight_arcs, make_task
+from mgjax.ballsport.aiming.problem import Launch, flight_arcs, make_problem
 from mgjax.ballsport.aiming.scan import guess_launch
 from mgjax.ballsport.aiming.updates import SECOND, differential_updates
 from mgjax.ballsport.ball.flight import contact_time
@@ -142,19 +142,19 @@ def _curves(
     starts: Array, targets: Array, guesses: Array, most: Array, physics: BallPhysics, bounces: int
 ) -> dict[str, Array]:
     def one(start: Array, target: Array, guess: Array, limit: Array) -> dict[str, Array]:
-        task = make_task(start, target, guess, np.nan, SECOND, 30.0, None, physics)
-        begins = {"scan": guess_launch(task, bounces).launch, "bone": _plain(task, bounces)}
-        done = {k: differential_updates(task, v, bounces, limit) for k, v in begins.items()}
+        problem = make_problem(start, target, guess, np.nan, SECOND, 30.0, None, physics)
+        begins = {"scan": guess_launch(problem, bounces).launch, "bone": _plain(problem, bounces)}
+        done = {k: differential_updates(problem, v, bounces, limit) for k, v in begins.items()}
         return {k: jnp.where(d.kept, jnp.linalg.norm(d.miss), jnp.inf) for k, d in done.items()}
 
     over_limits = jax.vmap(one, (None, None, None, 0))
     return jax.vmap(over_limits, (0, 0, 0, None))(starts, targets, guesses, most)
 
 
-def _plain(task: Any, bounces: int) -> Launch:
+def _plain(problem: Any, bounces: int) -> Launch:
     """The bone's own velocity, until the middle of the arc after the wanted bounces."""
-    start, place, v = flight_arcs(task, task.guess, bounces)[-1]
-    return Launch(task.guess, start + contact_time(place[1], v, task.physics) / 2)
+    start, place, v = flight_arcs(problem, problem.guess, bounces)[-1]
+    return Launch(problem.guess, start + contact_time(place[1], v, problem.physics) / 2)
 
 
 def _times(config: Config, bounces: int, physics: BallPhysics) -> dict[str, Any]:

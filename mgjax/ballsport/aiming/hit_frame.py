@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from mgjax.ballsport.aiming.passes import MAX_SPEED, PAPER, check_bounces
-from mgjax.ballsport.aiming.problem import FIRST_CONTACT, Task, flight_arcs, make_task
+from mgjax.ballsport.aiming.problem import FIRST_CONTACT, AimProblem, flight_arcs, make_problem
 from mgjax.ballsport.aiming.solve import Aim, solve
 from mgjax.ballsport.aiming.updates import SECOND
 from mgjax.ballsport.ball.flight import contact_time, free_flight
@@ -129,18 +129,18 @@ def _choose(
     factors = jnp.linspace(scales[0], scales[1], _SCALED)
 
     def one(position: Array, velocity: Array) -> tuple[Array, Array, Array, Array]:
-        task = make_task(position, target, velocity, *shared)
-        tried = factors[:, None] * task.guess[None]
-        cost, distance, time = jax.vmap(lambda v: _flight(task, v, bounces))(tried)
+        problem = make_problem(position, target, velocity, *shared)
+        tried = factors[:, None] * problem.guess[None]
+        cost, distance, time = jax.vmap(lambda v: _flight(problem, v, bounces))(tried)
         best = jnp.argmin(cost)
         return cost[best], distance[best], time[best], tried[best]
 
     cost, distance, time, kicked = jax.vmap(one)(positions, velocities)
     frame = jnp.argmin(jnp.where(mask, cost, jnp.inf))
-    task = make_task(positions[frame], target, kicked[frame], *shared)
+    problem = make_problem(positions[frame], target, kicked[frame], *shared)
     return HitChoice(
         frame=frame,
-        aim=solve(task, bounces),
+        aim=solve(problem, bounces),
         velocities=kicked,
         times=time,
         distances=jnp.where(mask, distance, jnp.inf),
@@ -148,18 +148,18 @@ def _choose(
 
 
 def _flight(
-    task: Task, velocity: Array, bounces: int
+    problem: AimProblem, velocity: Array, bounces: int
 ) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
     """Cost, distance and time of the moment in the last arc that suits best."""
-    arcs = flight_arcs(task, velocity, bounces)
+    arcs = flight_arcs(problem, velocity, bounces)
     start, place, v = arcs[-1]
-    lasts = contact_time(place[1], v, task.physics)
+    lasts = contact_time(place[1], v, problem.physics)
 
     def at(share: Array) -> tuple[Array, Array, Array]:
-        moved, _ = free_flight(v, share * lasts, task.physics)
+        moved, _ = free_flight(v, share * lasts, problem.physics)
         time = start + share * lasts
-        square = jnp.sum((place + moved - task.target) ** 2)
-        late = task.weight * time * (time - task.wanted)
+        square = jnp.sum((place + moved - problem.target) ** 2)
+        late = problem.weight * time * (time - problem.wanted)
         return square + jnp.where(jnp.isnan(late), 0.0, late * late), jnp.sqrt(square), time
 
     steps = jnp.linspace(0.0, 1.0, _MOMENTS)

@@ -10,7 +10,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.ballsport.aiming.problem import make_task
+from mgjax.ballsport.aiming.problem import make_problem
 from mgjax.ballsport.aiming.solve import (
     TOO_FAR,
     UNDER_NET,
@@ -138,7 +138,7 @@ def _over(
 def _aim(
     start: Array, target: Array, guess: Array, wanted: Number, shared: Any, bounces: int
 ) -> Aim:
-    return solve(make_task(start, target, guess, wanted, *shared), bounces)
+    return solve(make_problem(start, target, guess, wanted, *shared), bounces)
 
 
 @partial(jax.jit, static_argnames="bounces")
@@ -146,7 +146,7 @@ def _feasible(
     starts: Array, targets: Array, guesses: Array, wanted: Array, shared: Any, bounces: int
 ) -> Aim:
     def one(start: Array, target: Array, guess: Array, time: Array) -> Aim:
-        return solve_feasible(make_task(start, target, guess, time, *shared), bounces)
+        return solve_feasible(make_problem(start, target, guess, time, *shared), bounces)
 
     return jax.vmap(one)(starts, targets, guesses, wanted)
 
@@ -162,7 +162,7 @@ def _nearest(
     bounces: int,
 ) -> Aim:
     def one(start: Array, target: Array, guess: Array, time: Array, reason: Array) -> Aim:
-        return solve_nearest(make_task(start, target, guess, time, *shared), reason, bounces)
+        return solve_nearest(make_problem(start, target, guess, time, *shared), reason, bounces)
 
     return jax.vmap(one)(starts, targets, guesses, wanted, reasons)
 

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from mgjax.ballsport.aiming.passes import aim_batch
-from mgjax.ballsport.aiming.problem import Launch, arrive, clears_net, make_task
+from mgjax.ballsport.aiming.problem import Launch, arrive, clears_net, make_problem
 from mgjax.ballsport.ball.physics import BallPhysics, Net
 from mgjax.core.arrays import Array
 from mgjax.core.xla.padding import bucket_size, pad_axis
@@ -70,10 +70,10 @@ def _pinned(
 ) -> tuple[Array, Array]:
     def one(start: Array, target: Array, time: Array, guess: Array) -> tuple[Array, Array]:
         max_speed, net, physics = shared
-        task = make_task(start, target, guess, time, _WEIGHT, max_speed, net, physics)
+        problem = make_problem(start, target, guess, time, _WEIGHT, max_speed, net, physics)
 
         def miss(velocity: Array) -> tuple[Array, tuple[Array, Array]]:
-            return arrive(task, Launch(velocity, time), bounces)
+            return arrive(problem, Launch(velocity, time), bounces)
 
         def step(_: Array, velocity: Array) -> Array:
             slope, (off, _) = jax.jacfwd(miss, has_aux=True)(velocity)
@@ -83,6 +83,6 @@ def _pinned(
         _, (off, kept) = miss(velocity)
         speed = jnp.sqrt(jnp.sum(velocity**2))
         met = kept & (jnp.sum(off**2) <= _CLOSE**2) & (speed <= max_speed)
-        return velocity, met & clears_net(task, Launch(velocity, time), bounces)
+        return velocity, met & clears_net(problem, Launch(velocity, time), bounces)
 
     return jax.vmap(one)(starts, targets, times, velocities)
