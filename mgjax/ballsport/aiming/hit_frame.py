@@ -11,12 +11,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.ballsport.aiming.passes import MAX_SPEED, PAPER, check_bounces
+from mgjax.ballsport.aiming.passes import PAPER, check_bounces
 from mgjax.ballsport.aiming.problem import FIRST_CONTACT, AimProblem, flight_arcs, make_problem
 from mgjax.ballsport.aiming.solve import Aim, solve
 from mgjax.ballsport.aiming.updates import SECOND
 from mgjax.ballsport.ball.flight import contact_time, free_flight
 from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
+from mgjax.ballsport.config import MAX_SPEED_M_S
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
 from mgjax.core.xla.padding import bucket_size, pad_axis
@@ -62,7 +63,7 @@ def choose_frame(
     mask: Bool[Array, " F"] | None = None,
     physics: BallPhysics = PAPER,
     scales: tuple[float, float] = SCALES,
-    max_speed: Number = MAX_SPEED,
+    max_speed: Number = MAX_SPEED_M_S,
     net: Net | None = None,
     flight_time: Number = None,
     time_weight: Number = SECOND,

@@ -21,15 +21,10 @@ from mgjax.ballsport.aiming.solve import (
 )
 from mgjax.ballsport.aiming.updates import SECOND
 from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
+from mgjax.ballsport.config import MAX_SPEED_M_S, MOST_BOUNCES
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
 from mgjax.core.xla.padding import bucket_size, pad_axis
-
-MOST_BOUNCES = 4
-"""Bounces that can be asked for."""
-
-MAX_SPEED = 30.0
-"""Largest kick speed unless given, m/s: about the fastest that is measured in football."""
 
 PAPER = BallPhysics()
 """The paper's ball."""
@@ -42,7 +37,7 @@ def aim(
     bounces: int,
     guess: Float[Array, "3"],
     physics: BallPhysics = PAPER,
-    max_speed: Number = MAX_SPEED,
+    max_speed: Number = MAX_SPEED_M_S,
     net: Net | None = None,
     flight_time: Number = None,
     time_weight: Number = SECOND,
@@ -95,7 +90,7 @@ def aim_batch(
     bounces: int,
     guesses: Float[Array, "N 3"],
     physics: BallPhysics = PAPER,
-    max_speed: Number = MAX_SPEED,
+    max_speed: Number = MAX_SPEED_M_S,
     net: Net | None = None,
     flight_times: Float[Array, " N"] | None = None,
     time_weight: Number = SECOND,

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from mgjax.ballsport.config import KINDS, ClipSetConfig, KindConfig
+from mgjax.ballsport.config import KINDS, ClipSetConfig, KindConfig, validate_clip_set
 from mgjax.ballsport.hits.bones import BoneHit, analyse
-from mgjax.ballsport.hits.detect import hit_joint, links, validate_analysis
+from mgjax.ballsport.hits.detect import hit_joint, links
 from mgjax.ballsport.hits.motion_vectors import MotionVectors, leg_length, stack
 from mgjax.clips.oddities import first_clean_frame
 from mgjax.clips.retarget import retarget
@@ -141,7 +141,7 @@ def build_clip_set(
         ConfigError: a threshold that cannot be.
     """
     config = config or ClipSetConfig()
-    validate_analysis(config.analysis)
+    validate_clip_set(config)
     made, known = synthetic_kicks(seed=seed, frame_rate=config.frame_rate, takes=takes)
     skeleton = made[0].skeleton
     known = {**known, **(labels or {})}

@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from mgjax.ballsport.clipset.build import ClipSet
-from mgjax.ballsport.config import MatchConfig
+from mgjax.ballsport.config import MatchConfig, validate_match
 from mgjax.ballsport.hits.motion_vectors import MotionVectors, scaled
 from mgjax.core.arrays import Array
-from mgjax.core.errors import ConfigError, MotionError
+from mgjax.core.errors import MotionError
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register
 
@@ -116,12 +116,8 @@ def nearest(
 
 def match_weights(config: MatchConfig) -> Float[np.ndarray, "3"]:
     """The weights as an array; :class:`ConfigError` unless they are usable."""
-    weights = np.array([config.w_v, config.w_m, config.w_t], np.float32)
-    if not (np.isfinite(weights).all() and weights.min() >= 0 and weights.max() > 0):
-        raise ConfigError(
-            f"w_v, w_m and w_t are {weights.tolist()}, expected numbers of at least 0, one above 0"
-        )
-    return weights
+    validate_match(config)
+    return np.array([config.w_v, config.w_m, config.w_t], np.float32)
 
 
 class Matcher:

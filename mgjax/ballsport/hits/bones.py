@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.ballsport.config import FEET, AnalysisConfig
-from mgjax.ballsport.hits.detect import Hit, hit_joint, mark, sections, validate_analysis
+from mgjax.ballsport.config import FEET, AnalysisConfig, validate_analysis
+from mgjax.ballsport.hits.detect import Hit, hit_joint, mark, sections
 from mgjax.ballsport.hits.motion_vectors import MotionVectors, motion_vector
 from mgjax.ballsport.hits.smoothing import half_width
 from mgjax.ballsport.hits.stream import HitStream

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.ballsport.config import AnalysisConfig
-from mgjax.ballsport.hits.detect import NO_FRAME, Hit, Marks, mark, sections, validate_analysis
+from mgjax.ballsport.config import AnalysisConfig, validate_analysis
+from mgjax.ballsport.hits.detect import NO_FRAME, Hit, Marks, mark, sections
 from mgjax.ballsport.hits.smoothing import half_width
 from mgjax.core.errors import MotionError
 

@@ -15,8 +15,8 @@ from mgjax.ballsport.config import FEET, AnalysisConfig, MatchConfig
 from mgjax.ballsport.hits.bones import BoneHit, LiveAnalysis
 from mgjax.ballsport.hits.motion_vectors import MotionVectors, leg_length
 from mgjax.core.errors import ConfigError
+from mgjax.sensor.clock import Clock, clock
 from mgjax.sensor.frames import SensorFrame
-from mgjax.sensor.receiver import clock
 
 _REMEMBERED = 4096
 """Frames whose arrival is known; a hit is over and decided long before."""
@@ -75,6 +75,7 @@ class LiveDriver:
         bones: what can hit; all of them have to be in the clip set.
         analysis: thresholds.
         match: weights of the comparison.
+        clock: the one that stamps arrivals.
 
     Raises:
         ConfigError: a bone that no stored hit hits with, or a threshold that cannot be.
@@ -87,7 +88,9 @@ class LiveDriver:
         bones: Sequence[str] = FEET,
         analysis: AnalysisConfig | None = None,
         match: MatchConfig | None = None,
+        clock: Clock = clock,
     ) -> None:
+        self._clock = clock
         self._clips, self._bones, self._config = clips, tuple(bones), analysis
         self._rate = clips.motion.frame_rate
         self._matcher = Matcher(clips, match)
@@ -132,7 +135,7 @@ class LiveDriver:
         """The stream is over: what the kicks decide that were still open."""
         if self._analysis is None:
             return []
-        found, now = self._analysis.finish(), clock()
+        found, now = self._analysis.finish(), self._clock()
         decided = [self._decide(hit, now) for hit in found]
         self._analysis = None
         self._stream = -1
@@ -150,7 +153,7 @@ class LiveDriver:
 
     def _decide(self, found: BoneHit, arrival_s: float) -> PassDecision:
         match = self._matcher.match(found.vector, found.bone, self._legs)
-        now = clock()
+        now = self._clock()
         start, fastest, end = (
             self._origin + frame / self._rate
             for frame in (found.hit.start, found.hit.fastest, found.hit.stop - 1)

@@ -10,7 +10,6 @@ from jaxtyping import Float
 
 from mgjax.ballsport.clipset.build import build_clip_set
 from mgjax.ballsport.clipset.repertoire import Repertoire, make_repertoire
-from mgjax.ballsport.config import ClipSetConfig
 from mgjax.ballsport.scene.ball_track import BallTrack, track_ball
 from mgjax.ballsport.scene.config import SceneConfig, validate_scene
 from mgjax.ballsport.scene.gaze import look_at
@@ -71,11 +70,16 @@ def prepare_scene(config: SceneConfig) -> Repertoire:
     clips = load_clips(config.clips, exclude=config.exclude)[0] if config.clips else []
     built = build_clip_set(
         clips,
-        config=ClipSetConfig(frame_rate=config.frame_rate),
+        config=config.clip_set,
         seed=config.seed,
         takes=config.takes,
     )
-    return make_repertoire(built, ball_radius=float(config.physics.radius), seed=config.seed)
+    return make_repertoire(
+        built,
+        ball_radius=float(config.physics.radius),
+        transition=config.transition,
+        seed=config.seed,
+    )
 
 
 def build_scene(

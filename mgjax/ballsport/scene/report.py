@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mgjax.ballsport.aiming.solve import OK, STATUS_TEXT
-from mgjax.ballsport.clipset.ball_contact import bone_radius
+from mgjax.ballsport.config import hit_bone
 from mgjax.ballsport.scene.build import Scene
 from mgjax.ballsport.scene.kick import kick_change
 from mgjax.ballsport.scene.types import THROWN_IN, BallFlight, Touch
@@ -126,7 +126,7 @@ def _touch_json(scene: Scene, touch: Touch) -> dict[str, Any]:
     clips = scene.moves.clips
     joint = int(clips.hit_joint[touch.kick.hit])
     apart = float(np.linalg.norm(scene.positions[touch.player][touch.time, joint] - touch.centre))
-    reach = float(scene.config.physics.radius) + bone_radius(clips.hit_bone[touch.kick.hit])
+    reach = float(scene.config.physics.radius) + hit_bone(clips.hit_bone[touch.kick.hit]).radius_m
     return {
         "surface_gap_m": apart - reach,
         "contact_m": touch.centre.tolist(),

@@ -171,11 +171,11 @@ def test_pieces_that_cannot_be(made_set: ClipSet, pieces, text: str) -> None:
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        ({"seconds": 0.0}, "seconds is 0.0"),
-        ({"seconds": float("nan")}, "seconds is nan"),
+        ({"seconds": 0.0}, "seconds = 0.0, expected 0.001 … 60"),
+        ({"seconds": float("nan")}, "seconds = nan"),
         ({"loop_s": -1.0}, "loop_s"),
         ({"w_p": (0.0,) * 5, "w_v": (0.0,) * 5}, "one above 0"),
-        ({"w_p": (-1.0,) * 5}, "at least 0"),
+        ({"w_p": (-1.0,) * 5}, "w_p = -1"),
     ],
 )
 def test_settings_that_cannot_be(made_set: ClipSet, change: dict, text: str) -> None:

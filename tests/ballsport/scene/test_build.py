@@ -10,10 +10,10 @@ import pytest
 from mgjax.ballsport.aiming.solve import OK, UNDER_NET
 from mgjax.ballsport.aiming.timed import aim_timed
 from mgjax.ballsport.ball.physics import BallPhysics, Net
-from mgjax.ballsport.clipset.ball_contact import bone_radius
 from mgjax.ballsport.clipset.build import ClipSet
 from mgjax.ballsport.clipset.repertoire import Repertoire, make_repertoire
-from mgjax.ballsport.scene.build import build_scene
+from mgjax.ballsport.config import AnalysisConfig, KindConfig, TransitionConfig, hit_bone
+from mgjax.ballsport.scene.build import build_scene, prepare_scene
 from mgjax.ballsport.scene.config import Pass, Player, SceneConfig
 from mgjax.ballsport.scene.gaze import look_at
 from mgjax.ballsport.scene.kick import kick_change, kicks_of
@@ -66,7 +66,7 @@ def test_contacts(moves: Repertoire) -> None:
     """Surfaces touch, ahead of the bone, above the ground; slow frames are left out."""
     for hit, touch in moves.touch.items():
         path, velocity = moves.clips.bone_path(hit)
-        reach = 0.11 + bone_radius(moves.clips.hit_bone[hit])
+        reach = 0.11 + hit_bone(moves.clips.hit_bone[hit]).radius_m
         away = touch.centres - path
         np.testing.assert_allclose(np.linalg.norm(away, axis=1), reach, atol=1e-6)
         assert (touch.centres[touch.mask, 1] >= 0.11).all()
@@ -270,3 +270,18 @@ def test_captured_kicks(real_set: ClipSet) -> None:
     scene = build_scene(config, moves=moves, choose=lambda asked: captured[0])
     assert scene.touches[0].kick.hit == captured[0]
     assert scene_json(scene)["worst"]["surface_gap_m"] < 0.01
+
+
+def test_settings_reach_the_clip_set() -> None:
+    """The sections of a scene are those of its clip set and of its transitions."""
+    config = replace(
+        SCENE,
+        takes=1,
+        kinds=KindConfig(pass_m_s=2.0, attack_m_s=100.0),
+        analysis=AnalysisConfig(smoothing_s=0.05),
+        transition=TransitionConfig(seconds=0.5),
+    )
+    usual, moves = prepare_scene(replace(SCENE, takes=1)), prepare_scene(config)
+    assert (usual.window, moves.window) == (10, 15)
+    assert config.clip_set.kinds == config.kinds
+    assert max(moves.clips.vectors.v_max) < max(usual.clips.vectors.v_max)
