@@ -50,7 +50,7 @@ class Config:
     distances: tuple[float, ...] = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0)
     """From start to target over the floor, m."""
     heights: tuple[float, ...] = (0.11, 0.5, 1.2, 2.5)
-    """Of the target's centre, m; the ball's radius is 0.11 m."""
+    """Heights of the target's centre, m; the ball's radius is 0.11 m."""
     max_speed: float = 30.0
     """Largest kick speed, m/s."""
     repeats: int = 41

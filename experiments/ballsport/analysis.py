@@ -106,7 +106,7 @@ def compare(found: list[BoneHit], kicks: list[Kick], frame_rate: float, first: i
 
 
 def streamed(clip: Clip, positions: np.ndarray, config: AnalysisConfig) -> dict[str, Any]:
-    """The same hits frame by frame: whether they are equal, the delay, the time per frame."""
+    """The hits of a stream: whether they equal those of the whole, their delay, the time per frame."""
     rate = clip.motion.frame_rate
     live = LiveAnalysis(clip.skeleton, rate, config=config)
     found: list[BoneHit] = []

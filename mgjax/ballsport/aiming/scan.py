@@ -17,8 +17,8 @@ from jax import lax
 from jaxtyping import Bool, Float
 
 from mgjax.ballsport.aiming.problem import FIRST_CONTACT, SHORTEST, AimProblem, Launch
-from mgjax.ballsport.ball.flight import decay
 from mgjax.core.arrays import Array
+from mgjax.core.ballistics import drag_integrals
 
 _SCANNED, _ROUNDS = 13, 3
 """Vertical velocities in each scan, and scans: the best is then known to about 0.05 m/s."""
@@ -111,7 +111,7 @@ def _flight(
         drag = _equal_drag(problem, vertical, rising, bounces)
     arcs = _arcs(problem, vertical, drag, bounces)
     time, exists = _crossing(problem, arcs, rising, drag)
-    per_metre = 1 / decay(time, drag)[1]
+    per_metre = 1 / drag_integrals(time, drag)[1]
     x, z = wx * per_metre, wz * per_metre
     dx, dy, dz = x - problem.guess[0], vertical - problem.guess[1], z - problem.guess[2]
     late = jnp.where(jnp.isnan(problem.wanted), 0.0, problem.weight * (time - problem.wanted))
@@ -146,7 +146,7 @@ def _arcs(
     for _ in range(bounces):
         t, height, v = arcs[-1]
         lasts = _fall(problem, height, v, drag)
-        e0, e1, _ = decay(lasts, drag)
+        e0, e1, _ = drag_integrals(lasts, drag)
         up = problem.physics.restitution * (problem.physics.gravity * e1 - v * e0)
         arcs.append((t + lasts, zero, jnp.maximum(up, 0.0)))
     return arcs
@@ -161,7 +161,7 @@ def _crossing(
     root = jnp.sqrt(jnp.maximum(v * v + 2 * gravity * above, 0.0))
     up = -2 * above / jnp.where(v + root > 0, v + root, jnp.inf)
     local = _newton(jnp.where(rising, up, _drag_free(above, v, gravity)), above, v, drag, gravity)
-    _, e1, e2 = decay(local, drag)
+    _, e1, e2 = drag_integrals(local, drag)
     exists = jnp.abs(above + v * e1 - gravity * e2) < _OFF
     exists &= (local >= 0) & (start + local >= SHORTEST)
     if len(arcs) > 1:
@@ -185,7 +185,7 @@ def _fall(problem: AimProblem, above: Array, v: Array, drag: Array) -> Array:
 
 def _newton(t: Array, above: Array, v: Array, drag: Array, gravity: Array) -> Array:
     for _ in range(_NEWTON_STEPS):
-        e0, e1, e2 = decay(t, drag)
+        e0, e1, e2 = drag_integrals(t, drag)
         rate = v * e0 - gravity * e1
         t = t - (above + v * e1 - gravity * e2) / jnp.where(rate != 0, rate, -1.0)
     return t
@@ -198,13 +198,13 @@ def _above_net(
     if problem.net is None:
         return jnp.ones_like(time, bool)
     fraction, height = problem.net
-    _, whole, _ = decay(time, drag)
+    _, whole, _ = drag_integrals(time, drag)
     t = fraction * whole
     for _ in range(_NEWTON_STEPS):
-        e0, e1, _ = decay(t, drag)
+        e0, e1, _ = drag_integrals(t, drag)
         t = t - (e1 - fraction * whole) / e0
     found = jnp.zeros_like(time)
     for start, begin, v in arcs:
-        _, e1, e2 = decay(t - start, drag)
+        _, e1, e2 = drag_integrals(t - start, drag)
         found = jnp.where(t >= start, begin + v * e1 - problem.physics.gravity * e2, found)
     return (fraction < 0) | (found >= height + _ABOVE)

@@ -16,15 +16,12 @@ from mgjax.clips.oddities import first_clean_frame
 from mgjax.clips.retarget import retarget
 from mgjax.clips.synthetic_kicks import synthetic_kicks
 from mgjax.clips.types import Clip, Labels
-from mgjax.core import planar
 from mgjax.core.errors import MotionError
 from mgjax.core.kinematics import global_positions, joint_velocities, planar_frames
 from mgjax.core.motion import Motion, cut, mirror, resample
 from mgjax.core.skeleton import Skeleton
 
 NO_LINK = -1
-HEADINGS = np.radians(np.arange(-135.0, 181.0, 45.0))
-"""Directions in which every hit can be played, by turning it about the vertical, rad (§3)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -92,7 +89,7 @@ class ClipSet:
 
     @property
     def leg_length(self) -> float:
-        """Of the skeleton, m: what a live motion is scaled to."""
+        """Length of the skeleton's legs, to which a live motion is scaled, m."""
         return leg_length(self.skeleton)
 
     def bone_path(self, hit: int) -> tuple[np.ndarray, np.ndarray]:
@@ -103,16 +100,6 @@ class ClipSet:
         velocity = joint_velocities(path[:, None], self.motion.frame_rate)[:, 0]
         part = slice(int(self.ball_starts[hit]) - first, int(self.ball_stops[hit]) - first)
         return path[part], np.asarray(velocity)[part]
-
-    def turned(self, hit: int, heading: int) -> Float[np.ndarray, "3"]:
-        """The planar transform that turns a hit to one of :data:`HEADINGS`.
-
-        It maps the coordinates of the hit's clip to those in which the body at the first frame of
-        S_H stands over the origin and faces the heading.
-        """
-        face = np.array([HEADINGS[heading], 0.0, 0.0])
-        plane = self.planes[self.hit_starts[hit]].astype(np.float64)
-        return np.asarray(planar.compose(face, planar.inverse(plane)))
 
 
 def build_clip_set(

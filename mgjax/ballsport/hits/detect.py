@@ -50,7 +50,7 @@ class Hit:
         return self.start, before, self.top, last if self.after == NO_FRAME else self.after, last
 
     def shifted(self, frames: int) -> Hit:
-        """The same hit on an axis of frames that begins earlier by so many."""
+        """The hit on an axis of frames that begins earlier by so many."""
         moved = {
             name: value if value == NO_FRAME else value + frames
             for name, value in vars(self).items()
@@ -110,11 +110,11 @@ def mark(positions: Float[np.ndarray, "F 3"], frame_rate: float, config: Analysi
     ripples = _maxima(speed)
     # How many F_H lie at or before each F_S: equal numbers mean that none lies between.
     passed = np.searchsorted(highest, ripples, side="left")
-    apart = np.abs(ripples[:, None] - ripples[None])
+    distance = np.abs(ripples[:, None] - ripples[None])
     stronger = (speed[ripples][None] > speed[ripples][:, None]) | (
         (speed[ripples][None] == speed[ripples][:, None]) & (ripples[None] < ripples[:, None])
     )
-    near = (apart < config.merge_s * frame_rate - 1e-6) & (passed[:, None] == passed[None])
+    near = (distance < config.merge_s * frame_rate - 1e-6) & (passed[:, None] == passed[None])
     return Marks(
         height=height,
         speed=speed,

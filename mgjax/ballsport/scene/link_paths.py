@@ -1,4 +1,4 @@
-"""Ways from one link motion to another: which sections to leave and to enter by, and how long."""
+"""Paths from one link motion to another: which sections to leave and enter by, and how long."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ NO_HOP = -1
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LinkPaths:
-    """Many ways to go on from where a player is.
+    """Many paths on from where a player is.
 
     Attributes:
         frames: from where the player is to the entry of the last link motion. [C]
-        cost: D_p of a frame in each section on the way, summed, m. [C]
+        cost: D_p of a frame in each section on it, summed, m. [C]
         hops: first frames of the sections left and entered, in order; ``NO_HOP`` behind them.
             [C, H, 2]
     """
@@ -34,7 +34,7 @@ class LinkPaths:
         return self.hops[np.arange(len(last)), last, 1]
 
     def picked(self, rows: np.ndarray) -> LinkPaths:
-        """Some of them."""
+        """The link paths in some rows."""
         return LinkPaths(frames=self.frames[rows], cost=self.cost[rows], hops=self.hops[rows])
 
 
@@ -53,7 +53,7 @@ def find_link_paths(
     turn: int,
     most: int,
 ) -> LinkPaths:
-    """All ways with at most one stop in the idle motion and, where one is asked for, one turn.
+    """All paths with at most one stop in the idle motion and, where one is asked for, one turn.
 
     Args:
         moves: what can be done.
@@ -61,28 +61,28 @@ def find_link_paths(
         frame: of the clip set, from which ``frames`` of the result counts.
         earliest: frame of the clip set from which on the run may be left.
         targets: parts to arrive in.
-        turn: degrees on the way; 0: none.
+        turn: degrees in between; 0: none.
         most: largest number of frames.
     """
-    mine, rest = np.flatnonzero(moves.runs == run), np.array([moves.rest])
+    own, rest = np.flatnonzero(moves.runs == run), np.array([moves.rest])
     here = _here(frame)
     now = np.array([earliest])
-    idle = _best(_hop(moves, here, now, mine, moves.idle, most, nearest=_NEAREST))
+    idle = _best(_hop(moves, here, now, own, moves.idle, most, nearest=_NEAREST))
     again = idle.entry + moves.window
     if not turn:
-        direct = _hop(moves, here, now, mine, targets, most)
+        direct = _hop(moves, here, now, own, targets, most)
         return _together(direct, _hop(moves, idle, again, moves.idle, targets, most))
-    soon = _turned(moves, _best(_hop(moves, here, now, mine, rest, most)), turn)
+    soon = _turned(moves, _best(_hop(moves, here, now, own, rest, most)), turn)
     late = _turned(moves, _best(_hop(moves, idle, again, moves.idle, rest, most)), turn)
     direct = _from_rest(moves, _together(soon, late), targets)
     waiting = _best(_from_rest(moves, soon, _near_rest(moves)))
     later = _hop(moves, waiting, waiting.entry + moves.window, moves.idle, targets, most)
-    found = _together(direct, later)
-    return found.picked(found.frames <= most)
+    paths = _together(direct, later)
+    return paths.picked(paths.frames <= most)
 
 
 def _best(paths: LinkPaths) -> LinkPaths:
-    """Of the ways that come to the same frame after as long, the one with the least cost."""
+    """Keeps the cheapest of the paths that come to one frame after as long."""
     order = np.lexsort((paths.cost, paths.frames, paths.entry))
     key = np.stack([paths.entry[order], paths.frames[order]], axis=1)
     new = np.ones(len(order), bool)
@@ -102,8 +102,8 @@ def _here(frame: int) -> LinkPaths:
     return LinkPaths(frames=np.zeros(1, np.int64), cost=np.zeros(1), hops=hops)
 
 
-def _count(chains: LinkPaths) -> np.ndarray:
-    return (chains.hops[:, :, 0] != NO_HOP).sum(axis=1)
+def _count(paths: LinkPaths) -> np.ndarray:
+    return (paths.hops[:, :, 0] != NO_HOP).sum(axis=1)
 
 
 def _hop(
@@ -145,7 +145,7 @@ def _added(
 
 
 def _turned(moves: Repertoire, paths: LinkPaths, turn: int) -> LinkPaths:
-    """Ways that end in the rest pose, played on through a turn up to the section after it."""
+    """Paths that end in the rest pose, played on through a turn up to the section after it."""
     start, stop = moves.turns[turn]
     hops, last = paths.hops.copy(), _count(paths) - 1
     hops[np.arange(len(last)), last, 1] = start

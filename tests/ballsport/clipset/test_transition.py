@@ -24,7 +24,7 @@ from tests.reference import match as reference
 
 
 def shortened(clips: ClipSet, links: list[int], most: int = 24) -> ClipSet:
-    """The same set with a few short link motions."""
+    """A clip set with but a few short link motions."""
     starts = clips.link_starts[links]
     stops = np.minimum(clips.link_stops[links], starts + most - np.arange(len(links)))
     return replace(clips, link_clip=clips.link_clip[links], link_starts=starts, link_stops=stops)
