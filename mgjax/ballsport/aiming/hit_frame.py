@@ -107,13 +107,13 @@ def choose_frame(
     )
     wanted = np.nan if flight_time is None else flight_time
     shared = wanted, time_weight, max_speed, net, physics
-    found = _choose(*frames, target, np.asarray(scales, np.float32), shared, int(bounces))
+    choice = _choose(*frames, target, np.asarray(scales, np.float32), shared, int(bounces))
     return HitChoice(
-        frame=found.frame,
-        aim=found.aim,
-        velocities=np.asarray(found.velocities)[:count],
-        times=np.asarray(found.times)[:count],
-        distances=np.asarray(found.distances)[:count],
+        frame=choice.frame,
+        aim=choice.aim,
+        velocities=np.asarray(choice.velocities)[:count],
+        times=np.asarray(choice.times)[:count],
+        distances=np.asarray(choice.distances)[:count],
     )
 
 
@@ -154,11 +154,11 @@ def _flight(
     """Cost, distance and time of the moment in the last arc that suits best."""
     arcs = flight_arcs(problem, velocity, bounces)
     start, place, v = arcs[-1]
-    lasts = contact_time(place[1], v, problem.physics)
+    duration = contact_time(place[1], v, problem.physics)
 
     def at(share: Array) -> tuple[Array, Array, Array]:
-        moved, _ = free_flight(v, share * lasts, problem.physics)
-        time = start + share * lasts
+        moved, _ = free_flight(v, share * duration, problem.physics)
+        time = start + share * duration
         square = jnp.sum((place + moved - problem.target) ** 2)
         late = problem.weight * time * (time - problem.wanted)
         return square + jnp.where(jnp.isnan(late), 0.0, late * late), jnp.sqrt(square), time

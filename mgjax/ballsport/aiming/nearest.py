@@ -51,12 +51,12 @@ def nearest_launch(problem: AimProblem, bounces: int) -> Launch:
         velocity = _kick(problem, ahead, elevation)
         arcs = flight_arcs(problem, velocity, bounces)
         t, place, v = arcs[-1]
-        lasts = contact_time(place[1], v, problem.physics)
+        duration = contact_time(place[1], v, problem.physics)
         blocked = (arcs[1][0] < 2 * FIRST_CONTACT) if bounces else jnp.asarray(False)
 
         def at(moment: Array) -> tuple[Array, Array]:
-            moved, _ = free_flight(v, moment * lasts, problem.physics)
-            time = t + moment * lasts
+            moved, _ = free_flight(v, moment * duration, problem.physics)
+            time = t + moment * duration
             out = (
                 ~clears_net(problem, Launch(velocity, time), bounces) | (time < SHORTEST) | blocked
             )

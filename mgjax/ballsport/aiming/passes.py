@@ -105,17 +105,17 @@ def aim_batch(
     """
     check_bounces(bounces)
     wanted = np.full(len(starts), np.nan) if flight_times is None else flight_times
-    given: tuple[Any, ...] = starts, targets, guesses, wanted
-    items = [np.asarray(a, np.float32) for a in given]
+    passes: tuple[Any, ...] = starts, targets, guesses, wanted
+    items = [np.asarray(a, np.float32) for a in passes]
     shared = time_weight, max_speed, net, physics
-    found = _over(_feasible, items, shared, bounces)
-    failed = np.flatnonzero((found.status == TOO_FAR) | (found.status == UNDER_NET))
+    aims = _over(_feasible, items, shared, bounces)
+    failed = np.flatnonzero((aims.status == TOO_FAR) | (aims.status == UNDER_NET))
     if len(failed):
-        rest = [a[failed] for a in (*items, np.asarray(found.status))]
+        rest = [a[failed] for a in (*items, np.asarray(aims.status))]
         nearest = _over(_nearest, rest, shared, bounces)
-        for old, new in zip(jax.tree.leaves(found), jax.tree.leaves(nearest), strict=True):
+        for old, new in zip(jax.tree.leaves(aims), jax.tree.leaves(nearest), strict=True):
             old[failed] = new
-    return found
+    return aims
 
 
 def _over(
@@ -125,8 +125,8 @@ def _over(
     count = len(items[0])
     size = bucket_size(count)
     padded = (pad_axis(a, size, value=None if count else 0.0) for a in items)
-    found = solver(*padded, shared, bounces)
-    return jax.tree.map(lambda a: np.array(a)[:count], found)
+    aims = solver(*padded, shared, bounces)
+    return jax.tree.map(lambda a: np.array(a)[:count], aims)
 
 
 @partial(jax.jit, static_argnames="bounces")
@@ -164,6 +164,6 @@ def _nearest(
 
 def check_bounces(bounces: int) -> None:
     """Raises :class:`ConfigError` unless so many bounces can be asked for."""
-    whole = isinstance(bounces, int | np.integer) and not isinstance(bounces, bool)
-    if not (whole and 0 <= bounces <= MOST_BOUNCES):
+    is_whole = isinstance(bounces, int | np.integer) and not isinstance(bounces, bool)
+    if not (is_whole and 0 <= bounces <= MOST_BOUNCES):
         raise ConfigError(f"got bounces = {bounces!r}, expected 0 … {MOST_BOUNCES}")

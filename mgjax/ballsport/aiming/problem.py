@@ -77,17 +77,17 @@ def make_problem(
     physics = traced(physics)
     begin, end = _float32(start), _float32(target)
     height = jnp.maximum(begin[1] - physics.radius, 0.0)
-    way = end - begin
+    displacement = end - begin
     return AimProblem(
         start=begin,
         asked=end,
         height=height,
-        target=way.at[1].set(jnp.maximum(end[1] - physics.radius, MARGIN)),
+        target=displacement.at[1].set(jnp.maximum(end[1] - physics.radius, MARGIN)),
         guess=_float32(guess),
         wanted=_float32(wanted),
         weight=_float32(weight),
         max_speed=_float32(max_speed),
-        net=None if net is None else _net_ahead(begin, way, jax.tree.map(_float32, net)),
+        net=None if net is None else _net_ahead(begin, displacement, jax.tree.map(_float32, net)),
         physics=physics,
     )
 
@@ -96,10 +96,10 @@ def _float32(value: Number) -> jax.Array:
     return jnp.asarray(value, jnp.float32)
 
 
-def _net_ahead(start: Array, way: Array, net: Net) -> tuple[Array, Array]:
+def _net_ahead(start: Array, displacement: Array, net: Net) -> tuple[Array, Array]:
     across = jnp.sin(net.heading), jnp.cos(net.heading)
     near = across[0] * (net.x - start[0]) + across[1] * (net.z - start[2])
-    far = across[0] * way[0] + across[1] * way[2]
+    far = across[0] * displacement[0] + across[1] * displacement[2]
     crosses = near * (far - near) > 0
     return jnp.where(crosses, near / jnp.where(crosses, far, 1.0), -1.0), net.height
 
@@ -113,8 +113,8 @@ def flight_arcs(
     arcs: list[tuple[Array, Array, Array]] = [(zero, begin, velocity)]
     for _ in range(bounces):
         t, place, v = arcs[-1]
-        lasts, place, v = next_arc(place, v, problem.physics)
-        arcs.append((t + lasts, place, v))
+        duration, place, v = next_arc(place, v, problem.physics)
+        arcs.append((t + duration, place, v))
     return arcs
 
 
@@ -154,9 +154,9 @@ def clears_net(problem: AimProblem, launch: Launch, bounces: int) -> Bool[Array,
         return place, speed
 
     # The way over the floor is straight, and concave in time: from the left Newton is monotone.
-    way = jnp.stack([problem.target[0], jnp.zeros_like(height), problem.target[2]])
-    length = jnp.sqrt(jnp.sum(way * way))
-    ahead, distance = way / jnp.maximum(length, 1e-6), fraction * length
+    displacement = jnp.stack([problem.target[0], jnp.zeros_like(height), problem.target[2]])
+    length = jnp.sqrt(jnp.sum(displacement * displacement))
+    ahead, distance = displacement / jnp.maximum(length, 1e-6), fraction * length
     time = distance / jnp.maximum(jnp.sum(ahead * launch.velocity), 1e-6)
     for _ in range(_CROSSING_STEPS):
         place, speed = at(time)

@@ -145,10 +145,10 @@ def _arcs(
     arcs = [(zero, problem.height, vertical)]
     for _ in range(bounces):
         t, height, v = arcs[-1]
-        lasts = _fall(problem, height, v, drag)
-        e0, e1, _ = drag_integrals(lasts, drag)
+        duration = _fall(problem, height, v, drag)
+        e0, e1, _ = drag_integrals(duration, drag)
         up = problem.physics.restitution * (problem.physics.gravity * e1 - v * e0)
-        arcs.append((t + lasts, zero, jnp.maximum(up, 0.0)))
+        arcs.append((t + duration, zero, jnp.maximum(up, 0.0)))
     return arcs
 
 
@@ -198,13 +198,15 @@ def _above_net(
     if problem.net is None:
         return jnp.ones_like(time, bool)
     fraction, height = problem.net
-    _, whole, _ = drag_integrals(time, drag)
-    t = fraction * whole
+    _, total, _ = drag_integrals(time, drag)
+    t = fraction * total
     for _ in range(_NEWTON_STEPS):
         e0, e1, _ = drag_integrals(t, drag)
-        t = t - (e1 - fraction * whole) / e0
-    found = jnp.zeros_like(time)
+        t = t - (e1 - fraction * total) / e0
+    height_there = jnp.zeros_like(time)
     for start, begin, v in arcs:
         _, e1, e2 = drag_integrals(t - start, drag)
-        found = jnp.where(t >= start, begin + v * e1 - problem.physics.gravity * e2, found)
-    return (fraction < 0) | (found >= height + _ABOVE)
+        height_there = jnp.where(
+            t >= start, begin + v * e1 - problem.physics.gravity * e2, height_there
+        )
+    return (fraction < 0) | (height_there >= height + _ABOVE)

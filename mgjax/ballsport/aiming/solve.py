@@ -61,11 +61,11 @@ class Aim:
 
 def solve(problem: AimProblem, bounces: int) -> Aim:
     """The pass, or the nearest there is."""
-    found = solve_feasible(problem, bounces)
+    aimed = solve_feasible(problem, bounces)
     return lax.cond(
-        (found.status == TOO_FAR) | (found.status == UNDER_NET),
-        lambda: solve_nearest(problem, found.status, bounces),
-        lambda: found,
+        (aimed.status == TOO_FAR) | (aimed.status == UNDER_NET),
+        lambda: solve_nearest(problem, aimed.status, bounces),
+        lambda: aimed,
     )
 
 

@@ -45,9 +45,9 @@ def aim_timed(
     Degenerate: a launch that does not meet its target is as ``aim_batch`` left it.
     """
     count, size = len(starts), bucket_size(len(starts), SIZE)
-    given = starts, targets, times, guesses
-    items = [pad_axis(np.asarray(x, np.float32), size) for x in given]
-    found = aim_batch(
+    passes = starts, targets, times, guesses
+    items = [pad_axis(np.asarray(x, np.float32), size) for x in passes]
+    aims = aim_batch(
         items[0],
         items[1],
         bounces=bounces,
@@ -58,10 +58,10 @@ def aim_timed(
         flight_times=items[2],
         time_weight=_WEIGHT,
     )
-    items = (*items[:3], np.asarray(found.velocity))
+    items = (*items[:3], np.asarray(aims.velocity))
     velocity, met = _pinned(*items, (max_speed, net, physics), int(bounces))
     met = np.asarray(met)[:count]
-    return np.where(met[:, None], np.asarray(velocity)[:count], found.velocity[:count]), met
+    return np.where(met[:, None], np.asarray(velocity)[:count], aims.velocity[:count]), met
 
 
 @partial(jax.jit, static_argnames="bounces")

@@ -105,11 +105,11 @@ def nearest(
     """
 
     def one(vector: MotionVectors) -> tuple[Array, Array]:
-        found = distances(vector, stored, weights)
-        least = jnp.min(found)
+        values = distances(vector, stored, weights)
+        least = jnp.min(values)
         # Much faster than an argmin on this backend: the first place that holds the minimum.
-        place = jnp.arange(found.shape[0], dtype=jnp.int32)
-        return jnp.min(jnp.where(found == least, place, found.shape[0] - 1)), least
+        place = jnp.arange(values.shape[0], dtype=jnp.int32)
+        return jnp.min(jnp.where(values == least, place, values.shape[0] - 1)), least
 
     return one(live) if jnp.ndim(live.v_max) == 0 else jax.vmap(one)(live)
 

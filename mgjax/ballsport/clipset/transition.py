@@ -101,9 +101,9 @@ def find_transitions(clips: ClipSet, config: TransitionConfig | None = None) -> 
     )
     count = len(lengths)
     distance = np.asarray(distance)[:count, :count]
-    found = np.isfinite(distance)
+    exists = np.isfinite(distance)
     picked = [np.asarray(x)[:count, :count] for x in (row, column)]
-    leave, arrive = (np.where(found, frames[np.where(found, x, 0)], NO_SECTION) for x in picked)
+    leave, arrive = (np.where(exists, frames[np.where(exists, x, 0)], NO_SECTION) for x in picked)
     return TransitionTable(window=window, distance=distance, leave=leave, arrive=arrive)
 
 
@@ -160,11 +160,11 @@ def _search(
     """Smallest sums and where they are, [links, links] each; first by tiles, then inside them."""
     size, more = features.shape[-1], window - 1
     padded = jnp.pad(features, [(0, 0), (0, 0), (0, more)])
-    mine = jnp.repeat(owner, _SQUARE)
+    owners = jnp.repeat(owner, _SQUARE)
     place = jnp.arange(size, dtype=jnp.int32)
 
     def allowed(rows: Array, columns: Array) -> Array:
-        same = mine[rows][:, None] == mine[columns][None]
+        same = owners[rows][:, None] == owners[columns][None]
         back = columns[None] <= rows[:, None] - loop
         return valid[rows][:, None] & valid[columns][None] & (~same | back)
 
@@ -206,6 +206,6 @@ def _search(
         return total[at], rows[at // _SQUARE], columns[at % _SQUARE]
 
     # Each tile's own sums decide, so that one rounding holds for values and places.
-    found = jax.lax.map(look, first, batch_size=256)
-    value, row, column = (x.reshape(links, links) for x in found)
+    best_inside = jax.lax.map(look, first, batch_size=256)
+    value, row, column = (x.reshape(links, links) for x in best_inside)
     return jnp.where(jnp.isfinite(best), value, jnp.inf), row, column

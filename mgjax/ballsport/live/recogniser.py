@@ -127,16 +127,16 @@ class LiveDriver:
             if now.time_s > before.time_s:
                 part = (at - before.time_s) / (now.time_s - before.time_s)
             places = before.positions + part * (now.positions - before.positions)
-            found = self._analysis.push(places)
-            decided += [self._decide(hit, frame.arrival_s) for hit in found]
+            hits = self._analysis.push(places)
+            decided += [self._decide(hit, frame.arrival_s) for hit in hits]
         return decided
 
     def finish(self) -> list[PassDecision]:
         """The stream is over: what the kicks decide that were still open."""
         if self._analysis is None:
             return []
-        found, now = self._analysis.finish(), self._clock()
-        decided = [self._decide(hit, now) for hit in found]
+        hits, now = self._analysis.finish(), self._clock()
+        decided = [self._decide(hit, now) for hit in hits]
         self._analysis = None
         self._stream = -1
         return decided
@@ -151,19 +151,19 @@ class LiveDriver:
         self._newest = frame
         self._arrivals: deque[tuple[float, float]] = deque(maxlen=_REMEMBERED)
 
-    def _decide(self, found: BoneHit, arrival_s: float) -> PassDecision:
-        match = self._matcher.match(found.vector, found.bone, self._legs)
+    def _decide(self, kick: BoneHit, arrival_s: float) -> PassDecision:
+        match = self._matcher.match(kick.vector, kick.bone, self._legs)
         now = self._clock()
         start, fastest, end = (
             self._origin + frame / self._rate
-            for frame in (found.hit.start, found.hit.fastest, found.hit.stop - 1)
+            for frame in (kick.hit.start, kick.hit.fastest, kick.hit.stop - 1)
         )
         return PassDecision(
-            bone=found.bone,
+            bone=kick.bone,
             kind=self._clips.hit_kind[match.hit],
             hit=match.hit,
             distance=match.distance,
-            speed_m_s=float(found.vector.v_max),
+            speed_m_s=float(kick.vector.v_max),
             start_s=start,
             fastest_s=fastest,
             end_s=end,

@@ -77,7 +77,7 @@ def cheapest(
 ) -> list[tuple[int, int]]:
     """Pairs of a link path and an arrival, the best path for each arrival, cheapest first."""
     usable = np.flatnonzero(free > 0)
-    # Of the ways that take as long, the one with the smoothest sections.
+    # Of the paths that take as long, the one with the smoothest sections.
     usable = usable[np.lexsort((paths.cost[usable], free[usable]))]
     _, first = np.unique(free[usable], return_index=True)
     usable = usable[first]

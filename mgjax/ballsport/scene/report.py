@@ -125,10 +125,12 @@ def _touch_json(scene: Scene, touch: Touch) -> dict[str, Any]:
     """How the receiver meets the ball."""
     clips = scene.moves.clips
     joint = int(clips.hit_joint[touch.kick.hit])
-    apart = float(np.linalg.norm(scene.positions[touch.player][touch.time, joint] - touch.centre))
+    distance = float(
+        np.linalg.norm(scene.positions[touch.player][touch.time, joint] - touch.centre)
+    )
     reach = float(scene.config.physics.radius) + hit_bone(clips.hit_bone[touch.kick.hit]).radius_m
     return {
-        "surface_gap_m": apart - reach,
+        "surface_gap_m": distance - reach,
         "contact_m": touch.centre.tolist(),
         "with": clips.hit_bone[touch.kick.hit],
         "time_warp": touch.warp,
