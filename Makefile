@@ -22,7 +22,7 @@ demo: $(STAMP)
 	$(BIN)/mgjax demo --out out/demo
 
 test: $(STAMP)
-	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

@@ -547,9 +547,10 @@ def test_a_search_that_hangs_does_not_hold_up_frames(made_graph: MotionGraph) ->
     assert sum(a.status == "superseded" for a in answers) >= 1
 
 
-def test_a_minute_of_soak(made_graph: MotionGraph) -> None:
-    found = soak(made_graph, 1.0, config=QUICK)  # raises where an attack is lost
-    assert found["attacks"] > 30
-    assert found["frames"] == pytest.approx(3600, abs=2)
+@pytest.mark.parametrize("minutes", [0.4, pytest.param(2.0, marks=pytest.mark.long)])
+def test_soak(made_graph: MotionGraph, minutes: float) -> None:
+    found = soak(made_graph, minutes, config=QUICK)  # raises where an attack is lost
+    assert found["attacks"] > 30 * minutes
+    assert found["frames"] == pytest.approx(3600 * minutes, abs=2)
     assert found["avoided"] > 0
     assert found["searched"]["avoided"] > 0
