@@ -39,6 +39,7 @@ from mgjax.graph.types import MotionGraph
 from tests import memory
 
 enable_cache()
+memory.collect_seldom()
 jax.config.update("jax_numpy_rank_promotion", "raise")
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 

@@ -1,4 +1,4 @@
-"""Keeps a worker's memory bounded: programs that jax holds are dropped when there are too many."""
+"""Memory of a worker: bounded by dropping programs, and seldom searched for garbage."""
 
 from __future__ import annotations
 
@@ -11,6 +11,17 @@ import jax
 
 MOST_MB = 1800
 """Of resident memory after a test; the largest test needs 1 GB more."""
+
+
+def collect_seldom() -> None:
+    """Has Python look for garbage seldom, and never among what is imported by now.
+
+    Tracing makes millions of small objects that live as long as their program; looking through
+    them all again and again took a fifth of the time of tracing, and more the longer a run lasted.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
 
 
 def resident_mb() -> float:
