@@ -58,7 +58,7 @@ class Config:
 
     @classmethod
     def smoke(cls) -> dict[str, Any]:
-        return {"passes": 12, "distances": (1.0, 10.0), "heights": (0.11, 1.2), "repeats": 3}
+        return {"passes": 4, "distances": (1.0, 10.0), "heights": (0.11, 1.2), "repeats": 3}
 
 
 def run(config: Config) -> Results:
