@@ -146,21 +146,21 @@ def _part_json(graph: MotionGraph, part: int) -> dict[str, Any]:
 def write_volumes(path: Path, graph: MotionGraph, attack: Attack, selection: Selection) -> None:
     """Attack and body over time, as they were checked.
 
-    Before its first and after its last moment the attack is not there: it is then put 1 km away,
-    back or on along its flight, so that every distance stays a number and whoever joins the moments
-    by lines does not draw one through the body.
+    A sphere that is not there is put 1 km away, back or on along its flight, so that every distance
+    stays a number and whoever joins the moments by lines does not draw one through the body.
     """
     trace = selection.trace
     centres = attack.at(trace.times)
-    knots = attack.centres
-    for gone, end, way in (
-        (trace.times < attack.start - 1e-9, knots[0], knots[0] - knots[min(1, len(knots) - 1)]),
-        (trace.times > attack.end + 1e-9, knots[-1], knots[-1] - knots[-min(2, len(knots))]),
-    ):
-        length = np.linalg.norm(way, axis=-1, keepdims=True)
-        still = np.array([0.0, -1.0, 0.0])
-        away = np.where(length > 1e-9, way / np.maximum(length, 1e-9), still)
-        centres[gone] = end + 1000.0 * away
+    still = np.array([0.0, -1.0, 0.0])
+    for sphere, (start, stop) in enumerate(zip(*attack.lifetimes, strict=True)):
+        knots = attack.centres[(attack.times >= start) & (attack.times <= stop), sphere]
+        for absent, end, inner in (
+            (trace.times < start - 1e-9, knots[0], knots[min(1, len(knots) - 1)]),
+            (trace.times > stop + 1e-9, knots[-1], knots[-min(2, len(knots))]),
+        ):
+            length = np.linalg.norm(end - inner, axis=-1)
+            direction = (end - inner) / length if length > 1e-9 else still
+            centres[absent, sphere] = end + 1000.0 * direction
     np.savez_compressed(
         path,
         times=trace.times,

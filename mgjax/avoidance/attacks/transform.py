@@ -32,7 +32,7 @@ def since(attack: Attack, now: float) -> Attack:
     """What is left at ``now`` s of an attack that ends later, without spheres that are gone."""
     if attack.start >= now:
         return attack
-    here = replace(attack, starts=None, stops=None).at(np.array([now]))
+    here = attack.at(np.array([now]))
     later = attack.times > now
     left = np.ones(len(attack.radii), bool) if attack.stops is None else attack.stops >= now
     return replace(

@@ -110,7 +110,7 @@ def clearance_between(
     last = max(int(np.ceil(end * CHECK_RATE / 2)), first + 1)
     times = np.arange(first, last + 1) * 2 / CHECK_RATE
     poses, root = _read_walk(graph, walk, times)
-    far = attack.held(np.clip(times, attack.start, attack.end)) - root[:, None]
+    far = attack.at(np.clip(times, attack.start, attack.end)) - root[:, None]
     gap = np.linalg.norm(far, axis=-1) - attack.radii[None, :] - reach
     # Between two frames an attack moves on by at most half its step from the nearer one.
     step = attack.largest_speed / CHECK_RATE
@@ -124,7 +124,7 @@ def clearance_between(
     poses = jax.tree.map(lambda x: x[rows], poses)
     moments = (2 * (first + a) + np.arange(2 * size - 1)) / CHECK_RATE
     moments = np.clip(moments, max(begin, attack.start), end)
-    centres, absent = attack.held(moments), ~attack.lives(moments)
+    centres, absent = attack.at(moments), ~attack.lives(moments)
     absent[2 * count - 2 :] = True
     slots = bucket_size(len(attack.radii), SPHERES, 8)
     nearest = nearest_of(
