@@ -28,7 +28,7 @@ from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph

@@ -23,7 +23,7 @@ from mgjax.avoidance.culling.candidates import timing_of
 from mgjax.avoidance.culling.cull import cull, overlap_pixels
 from mgjax.avoidance.culling.pictures import Form, Slices
 from mgjax.avoidance.culling.rasterise import draw_attack
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.graph.types import MotionGraph

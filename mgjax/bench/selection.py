@@ -19,7 +19,7 @@ from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidate
 from mgjax.avoidance.choice.choosing import best_of, choose
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling.candidates import PIXELS, graph_slices
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.many.attacks import select_batch
 from mgjax.graph.types import NO_EDGE, MotionGraph

@@ -12,9 +12,10 @@ from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.checks.written import Trace, clearance, trace_motion, walk_motion
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import extend
-from mgjax.avoidance.choice.results import Choice
-from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.choice.results import Choice, Status
+from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.index.protocol import CandidateIndex
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.avoidance.timing.time_warp import (
     TimeWarp,
@@ -49,7 +50,7 @@ class Selection(Choice):
 
 
 def select(
-    graph: MotionGraph,
+    graph: MotionGraph | Prepared,
     node: int,
     attack: Attack,
     *,
@@ -67,7 +68,8 @@ def select(
     ``settle_s`` after the attack.
 
     Args:
-        graph: a motion graph with labelled avoidance parts.
+        graph: a motion graph with labelled avoidance parts, or what
+            :func:`~mgjax.avoidance.prepared.prepare` made of one; of a graph it is kept.
         node: where the character stands.
         attack: in the planar frame of the body at the node.
         config: settings.
@@ -80,9 +82,10 @@ def select(
         ConfigError: no such node, or a setting out of range.
     """
     config = config or AvoidanceConfig()
-    return write(
-        graph, attack, choose(graph, node, attack, config=config, seed=seed, index=index), config
-    )
+    validate_config(config)
+    prepared = prepared_for(graph, config, index)
+    choice = choose(prepared, node, attack, config=config, seed=seed)
+    return write(prepared.graph, attack, choice, config)
 
 
 def write(graph: MotionGraph, attack: Attack, choice: Choice, config: AvoidanceConfig) -> Selection:
@@ -92,10 +95,10 @@ def write(graph: MotionGraph, attack: Attack, choice: Choice, config: AvoidanceC
     that is clear is played smoothly if it is clear then, too.
     """
     linear, smooth = both_timings(graph, choice)
-    if config.warp == "smooth" and choice.status == "avoided":
-        found = _write(graph, attack, choice, config, "smooth", smooth)
-        if found.status == "avoided":
-            return found
+    if config.warp == "smooth" and choice.status == Status.AVOIDED:
+        selection = _write(graph, attack, choice, config, "smooth", smooth)
+        if selection.status == Status.AVOIDED:
+            return selection
     return _write(graph, attack, choice, config, "linear", linear)
 
 
@@ -128,7 +131,8 @@ def _write(
     exact = None if choice.part is None else clearance(attack, trace, spheres.radii)[1]
     status = choice.status
     if exact is not None:
-        status = "avoided" if choice.status == "avoided" and exact >= CLEAR_M else "hit"
-    chosen = {field.name: getattr(choice, field.name) for field in fields(choice)}
-    chosen |= {"status": status, "clearance_m": exact, "walk": walk}
-    return Selection(**chosen, warp=form, timing=timing, motion=motion, trace=trace)
+        clear = choice.status == Status.AVOIDED and exact >= CLEAR_M
+        status = Status.AVOIDED if clear else Status.HIT
+    values = {field.name: getattr(choice, field.name) for field in fields(choice)}
+    values |= {"status": status, "clearance_m": exact, "walk": walk}
+    return Selection(**values, warp=form, timing=timing, motion=motion, trace=trace)

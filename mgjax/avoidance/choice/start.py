@@ -3,36 +3,35 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
 
 from mgjax.avoidance.attacks.attack import Attack, validate_attack
-from mgjax.avoidance.body.edge_tables import EdgeTables
+from mgjax.avoidance.prepared import Prepared
 from mgjax.core.errors import AttackError, ConfigError
-from mgjax.graph.types import MotionGraph
 
 
-def validate_start(graph: MotionGraph, tables: EdgeTables, node: int, attack: Attack) -> None:
+def validate_start(prepared: Prepared, node: int, attack: Attack) -> None:
     """Raises unless there is such a node and the attack begins outside the body that stands there.
 
     Raises:
         ConfigError: no such node.
         AttackError: the attack is not finite, or begins inside the body.
     """
+    graph, tables = prepared.graph, prepared.tables
     if not 0 <= node < graph.num_nodes:
         raise ConfigError(f"got node {node}, expected 0 … {graph.num_nodes - 1}")
     validate_attack(attack)
     begin, radii = _beginning(attack)
     gaps = [math.hypot(*c) - r for c, r in zip(begin.tolist(), radii.tolist(), strict=True)]
-    if min(gaps, default=math.inf) > _farthest(tables):
+    if min(gaps, default=math.inf) > tables.farthest:
         return
     spheres = tables.spheres
     # Every edge out of a node begins with the body as it stands there, in the node's frame.
     body = tables.pool[tables.pool_first[graph.edges_from(node)[0]]].reshape(3, -1)
-    way = body[:, None] - begin.T[..., None]
-    gap = np.sqrt((way * way).sum(axis=0)) - (radii[:, None] + spheres.radii)
+    displacement = body[:, None] - begin.T[..., None]
+    gap = np.sqrt((displacement * displacement).sum(axis=0)) - (radii[:, None] + spheres.radii)
     least = gap.min()
     if least < 0:
         where = spheres.names[int(np.argmin(gap.min(axis=0)))]
@@ -51,10 +50,3 @@ def _beginning(
     now = np.array([min(max(attack.start, 0.0), attack.end)])
     active = attack.active(now)[0]
     return attack.at(now)[0, active], attack.radii[active]
-
-
-@lru_cache(maxsize=8)
-def _farthest(tables: EdgeTables) -> float:
-    """How far from a node a body that stands there may be, m, and a millimetre more."""
-    bodies = tables.pool[tables.pool_first].reshape(len(tables.pool_first), 3, -1)
-    return float((np.linalg.norm(bodies, axis=1) + tables.spheres.radii).max(initial=0.0)) + 1e-3

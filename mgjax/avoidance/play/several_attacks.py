@@ -19,7 +19,7 @@ from mgjax.avoidance.checks.written import clearance, trace_motion
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import play_on
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.play.timeline import Piece
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.core.errors import AttackError

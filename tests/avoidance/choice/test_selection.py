@@ -19,7 +19,7 @@ from mgjax.avoidance.choice.continuation import play_on
 from mgjax.avoidance.choice.search import HOPELESS_M
 from mgjax.avoidance.choice.selection import Selection, select
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.rates import CLEAR_M, FAR
 from mgjax.avoidance.timing.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE
 from mgjax.core import planar

@@ -11,7 +11,7 @@ from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.culling.candidates import timing_of, without_culled
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import ConfigError
 from mgjax.graph.types import MotionGraph

@@ -14,7 +14,7 @@ from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
 from mgjax.avoidance.energy.energies import Energies
-from mgjax.avoidance.energy.score import (
+from mgjax.avoidance.energy.evaluate import (
     Judged,
     judge,
 )

@@ -16,10 +16,10 @@ from mgjax.avoidance.candidates.batch import pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
 from mgjax.avoidance.energy import accumulate as over_time
-from mgjax.avoidance.energy import score as evaluate
+from mgjax.avoidance.energy import evaluate
 from mgjax.avoidance.energy.accumulate import TIMES
 from mgjax.avoidance.energy.energies import FAR
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.kinematics import global_positions
 from mgjax.graph.types import NO_EDGE, MotionGraph
