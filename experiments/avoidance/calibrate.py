@@ -21,14 +21,13 @@ import numpy as np
 from experiments.avoidance.graphs import graph_of
 from experiments.avoidance.throws import percentiles
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
-from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
 from mgjax.avoidance.energy.evaluate import judge
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
@@ -60,7 +59,7 @@ def run(config: Config, points: Points) -> Results:
     """Measures both; what an interrupted run has measured is taken over."""
     graph = graph_of(config.graph)
     balls = seeded_balls(graph, config.balls, config.seed)
-    top = edge_tables(graph, AvoidanceConfig().body_rate).top_speed
+    top = prepared_for(graph, AvoidanceConfig()).tables.top_speed
     metrics: dict[str, Any] = {
         "edge_top_speed_p5_p25_p50_p75_p95": np.percentile(top, [5, 25, 50, 75, 95]),
         "E_avoidance": {
@@ -82,9 +81,7 @@ def seeded_balls(graph: MotionGraph, count: int, seed: int) -> list[tuple[int, A
     for _ in range(count):
         node = int(rng.integers(graph.num_nodes))
         side = rng.uniform(0, 2 * np.pi)
-        at = np.array([0.0, rng.uniform(0.5, 1.7), 0.0])
-        start = at + 5.0 * np.array([np.sin(side), 0.0, np.cos(side)])
-        balls.append((node, ball_attack(start, at, speed=10.0, arrives=1.2)))
+        balls.append((node, ball_from(side, rng.uniform(0.5, 1.7))))
     return balls
 
 
@@ -105,18 +102,23 @@ def penetrations(
     """e' of all candidates that stay clear of the cropped attack."""
     config = AvoidanceConfig()
     config = replace(config, energy=replace(config.energy, form=form))
-    tables, device = search_tables(graph, config.body_rate, config.speed)
+    prepared = prepared_for(graph, config)
     found: list[np.ndarray] = []
     for node, attack in balls:
         crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
         if crop is None:
             continue
         candidates = enumerate_candidates(
-            graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
+            graph,
+            prepared.tables,
+            node,
+            crop.middle,
+            window=config.T_window,
+            capacity=config.capacity,
         )
         if len(candidates.length):
             rate = graph.frame_rate
-            judged = judge(device, candidates, attack, crop, config, frame_rate=rate)
+            judged = judge(prepared.device, candidates, attack, crop, config, frame_rate=rate)
             clear = (judged["status"] == OK) & (judged["d"] >= 0)
             found.append(judged["penetration"][clear])
     return np.concatenate(found) if found else np.zeros(0)
@@ -125,7 +127,7 @@ def penetrations(
 def success(graph: MotionGraph, balls: list[tuple[int, Attack]], v_slow: float) -> dict[str, Any]:
     """Share avoided, and the largest end-effector speed of the paths chosen, as they are played."""
     config = AvoidanceConfig(speed=SpeedConfig(V_fast=0.3, V_slow=v_slow, V_still=min(0.3, v_slow)))
-    top = edge_tables(graph, config.body_rate).top_speed
+    top = prepared_for(graph, config).tables.top_speed
     avoided = 0
     speeds: list[float] = []
     scales: list[float] = []

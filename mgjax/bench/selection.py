@@ -12,16 +12,17 @@ import numpy as np
 from tqdm import tqdm
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.choice.choosing import best_of, choose
+from mgjax.avoidance.choice.search import Query
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.culling.candidates import PIXELS, graph_slices
+from mgjax.avoidance.culling.candidates import PIXELS
 from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.many.attacks import select_batch
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.graph.types import NO_EDGE, MotionGraph
 
 CONDITIONS = ((True, True), (False, True), (True, False), (False, False))
@@ -47,10 +48,8 @@ def random_balls(graph: MotionGraph, count: int, seed: int) -> list[Ball]:
     balls = []
     for _ in range(count):
         side, height = rng.uniform(0, 2 * np.pi), rng.uniform(0.5, 1.7)
-        at = np.array([0.0, height, 0.0])
-        start = at + DISTANCE_M * np.array([np.sin(side), 0.0, np.cos(side)])
         node = int(rng.integers(graph.num_nodes))
-        balls.append(Ball(node=node, attack=ball_attack(start, at, speed=10.0, arrives=1.2)))
+        balls.append(Ball(node=node, attack=ball_from(side, height, distance=DISTANCE_M)))
     return balls
 
 
@@ -66,11 +65,11 @@ def condition_rows(
 
     A time runs from the attack to the chosen path, its exact check included, and is the median of
     ``repeats`` calls. ``candidates`` is the mean of what the condition starts from: those looked up
-    where the index holds some, else those enumerated; the slices then drop some.
+    where the index holds counted, else those enumerated; the slices then drop counted.
     """
     configs = {True: AvoidanceConfig(culling="binned"), False: AvoidanceConfig()}
     if balls:
-        graph_slices(graph, configs[True].body_rate)
+        prepared_for(graph, configs[True])
     first, seconds = np.zeros(4), np.zeros((4, repeats, len(balls)))
     statuses = np.zeros((4, len(balls)), dtype=object)
     counts = np.zeros((2, len(balls)), dtype=np.int64)
@@ -97,12 +96,12 @@ def condition_rows(
     times = np.median(seconds, axis=1) * 1e3
     rows = []
     for c, (looked_up, sliced) in enumerate(CONDITIONS):
-        some = np.where(counts[0] > 0, counts[0], counts[1]) if looked_up else counts[1]
+        counted = np.where(counts[0] > 0, counts[0], counts[1]) if looked_up else counts[1]
         row = _row(times[c])
         row |= {
             "index": looked_up,
             "slices": sliced,
-            "candidates": float(some.mean()),
+            "candidates": float(counted.mean()),
             "compile_s": max(float(first[c] - np.median(seconds[c], axis=0).sum()), 0.0),
             "avoided": float((statuses[c] == "avoided").mean()),
             "index_holds_candidates": float((counts[0] > 0).mean()),
@@ -113,7 +112,7 @@ def condition_rows(
         if groups[group].any():
             row[group] = _row(times[c][groups[group]]) | {
                 "share": float(groups[group].mean()),
-                "candidates": float(some[groups[group]].mean()),
+                "candidates": float(counted[groups[group]].mean()),
             }
         rows.append(row)
     return rows
@@ -125,19 +124,25 @@ def _counts(
     """Candidates looked up and enumerated; whether the index answers."""
     crop = crop_attack(ball.attack, radius=config.crop_radius_m, height=config.crop_height_m)
     assert crop is not None
-    tables, _ = search_tables(graph, config.body_rate, config.speed)
+    prepared = prepared_for(graph, config)
     every = enumerate_candidates(
-        graph, tables, ball.node, crop.middle, window=config.T_window, capacity=config.capacity
+        graph,
+        prepared.tables,
+        ball.node,
+        crop.middle,
+        window=config.T_window,
+        capacity=config.capacity,
     )
     known = index.in_time(ball.node, crop.middle, config.T_window)
     touched = None if known is None else index.touched(known, ball.attack, crop)
     if known is None or touched is None or not touched.any():
         return (0, len(every.length)), False
-    found = index.walks(known[touched])
-    settled = best_of(graph, ball.node, ball.attack, crop, found, config)
+    looked_up = index.walks(known[touched])
+    query = Query(node=ball.node, attack=ball.attack, crop=crop, candidates=looked_up)
+    decision = best_of(prepared, query, config)
     # Where the index holds nothing that is clear, the other candidates are enumerated after all.
-    answered = settled.choice is not None and settled.choice.status == "avoided"
-    return (len(found.length), len(every.length)), answered
+    answered = decision.choice is not None and decision.choice.status == "avoided"
+    return (len(looked_up.length), len(every.length)), answered
 
 
 def _row(times_ms: np.ndarray) -> dict[str, Any]:
@@ -152,18 +157,18 @@ def evaluation_rows(
 ) -> list[dict[str, Any]]:
     """The evaluation alone (timing and energies) of given numbers of candidates."""
     config = AvoidanceConfig()
-    _, device = search_tables(graph, config.body_rate, config.speed)
+    device = prepared_for(graph, config).device
     crop = crop_attack(ball.attack, radius=config.crop_radius_m, height=config.crop_height_m)
     assert crop is not None
     pool = _many_candidates(graph, max(sizes), crop.middle)
     rows = []
     for size in sizes:
-        some = Candidates(
+        candidates = Candidates(
             edges=pool.edges[:size], length=pool.length[:size], part=pool.part[:size], overflow=0
         )
 
-        def work(some: Candidates = some) -> Any:
-            return judge(device, some, ball.attack, crop, config, frame_rate=graph.frame_rate)
+        def work(candidates: Candidates = candidates) -> Any:
+            return judge(device, candidates, ball.attack, crop, config, frame_rate=graph.frame_rate)
 
         row = _timed(work, repeats)
         rows.append({"case": "evaluation alone", "candidates": size, **row})
@@ -173,7 +178,7 @@ def evaluation_rows(
 def _many_candidates(graph: MotionGraph, count: int, t_attack: float) -> Candidates:
     """Real candidates of as many nodes as it takes."""
     config = AvoidanceConfig()
-    tables, _ = search_tables(graph, config.body_rate, config.speed)
+    tables = prepared_for(graph, config).tables
     rng = np.random.default_rng(0)
     edges, length, part, total = [], [], [], 0
     while total < count:
@@ -208,21 +213,21 @@ def batch_row(
     balls = random_balls(graph, attacks, seed)
     places = np.array([ball.node for ball in balls])
     places = np.random.default_rng(seed).choice(places, nodes)[np.arange(attacks) % nodes]
-    given = [ball.attack for ball in balls]
-    found = None
+    thrown = [ball.attack for ball in balls]
+    answers = None
 
     def work() -> Any:
-        nonlocal found
-        found = select_batch(graph, places, given)
-        return found.clearance
+        nonlocal answers
+        answers = select_batch(graph, places, thrown)
+        return answers.clearance
 
     row = _timed(work, repeats)
-    assert found is not None
+    assert answers is not None
     return {
         "case": "many attacks at once",
         "attacks": attacks,
         "nodes": nodes,
-        "candidates": float(found.candidates.mean()),
+        "candidates": float(answers.candidates.mean()),
         "per_attack_ms": row["median_ms"] / attacks,
         **row,
     }

@@ -10,6 +10,7 @@ import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.json_file import load_attack
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.choice.selection import Selection, both_timings, select
 from mgjax.avoidance.config import AvoidanceConfig
@@ -27,7 +28,7 @@ from mgjax.pictures.throws import Throw, scene_picture
 
 
 def run(command: Avoid) -> None:
-    """Throws one ball and writes what came of it."""
+    """Throws a ball, or what a file says, and writes what came of it."""
     if command.seed < 0:
         raise ConfigError(f"got seed {command.seed}, expected 0 or more")
     config = load_config(command.config, AvoidanceConfig) if command.config else AvoidanceConfig()
@@ -35,14 +36,7 @@ def run(command: Avoid) -> None:
     node = command.node
     if node is None:
         node = int(np.random.default_rng(command.seed).integers(graph.num_nodes))
-    attack = ball_attack(
-        np.array(command.start),
-        np.array(command.at),
-        speed=command.speed,
-        arrives=command.arrives,
-        gravity=command.gravity,
-        radius=command.radius,
-    )
+    attack = attack_of(command)
     with output_folder(command.out) as folder:
         selection = select(graph, node, attack, config=config, seed=command.seed)
         result = selection_json(graph, selection)
@@ -51,6 +45,35 @@ def run(command: Avoid) -> None:
         write_volumes(folder / "volumes.npz", graph, attack, selection)
         scene_picture(folder / "scene.png", graph, [Throw(attack=attack, selection=selection)])
     emit(result, [describe(graph, selection), f"written to {command.out}"], as_json=command.json)
+
+
+def attack_of(command: Avoid) -> Attack:
+    """The attack of a file, or the ball that the arguments describe.
+
+    Raises:
+        ConfigError: both, or a ball that is not fully described.
+        FileFormatError, AttackError: it is no attack.
+    """
+    start, at, speed, arrives = command.start, command.at, command.speed, command.arrives
+    ball = {"--from": start, "--at": at, "--speed": speed, "--arrives": arrives}
+    if command.attack is not None:
+        extra = [name for name, value in ball.items() if value is not None]
+        extra += ["--gravity"] if command.gravity else []
+        extra += ["--radius"] if command.radius != Avoid.radius else []
+        if extra:
+            raise ConfigError(f"got --attack beside {', '.join(extra)}, expected only one of both")
+        return load_attack(command.attack)
+    if start is None or at is None or speed is None or arrives is None:
+        missing = ", ".join(name for name, value in ball.items() if value is None)
+        raise ConfigError(f"got no {missing}, expected {', '.join(ball)}, or --attack")
+    return ball_attack(
+        np.array(start),
+        np.array(at),
+        speed=speed,
+        arrives=arrives,
+        gravity=command.gravity,
+        radius=command.radius,
+    )
 
 
 def selection_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.attacks.transform import moved, retimed
-from mgjax.avoidance.body.device_tables import search_tables
+from mgjax.avoidance.attacks.transform import in_frame, shifted
+from mgjax.avoidance.body.poses import PosedGraph
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.checks.fast import clearance_between
 from mgjax.avoidance.checks.written import clearance, trace_motion
 from mgjax.avoidance.choice.choosing import choose
-from mgjax.avoidance.choice.continuation import play_on
+from mgjax.avoidance.choice.continuation import continue_clear
+from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.play.timeline import Piece
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
@@ -28,17 +29,17 @@ from mgjax.graph.walk import Walk, make_walk, sample_walk
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Path:
-    """What a search found.
+class JointPath:
+    """What a search for the newest of several attacks found.
 
     Attributes:
-        status: as of :class:`mgjax.avoidance.choice.choosing.Choice`, for the newest attack;
+        status: as of :class:`mgjax.avoidance.choice.results.Choice`, for the newest attack;
             ``hit`` also if it reaches the body before the path can begin.
         walk: what to play; None if nothing avoids better than any other walk.
         joint: whether the walk is clear of the other attacks, too.
     """
 
-    status: Literal["avoided", "hit", "no_candidate"]
+    status: Status
     walk: Walk | None
     joint: bool
 
@@ -50,7 +51,7 @@ def find_path(
     others: Sequence[Attack],
     config: AvoidanceConfig,
     rest: Piece,
-) -> Path:
+) -> JointPath:
     """The path of :func:`mgjax.avoidance.choice.choosing.choose`, or one that is clear of all
     attacks.
 
@@ -65,29 +66,32 @@ def find_path(
         rest: what is still played until the path begins, in the same frame, and since when (a time
             before 0).
     """
-    begun = moved(attack, rest.start, rest.begins)
-    touched = clearance_between(graph, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
+    begun = in_frame(attack, rest.start, rest.begins)
+    prepared = prepared_for(graph, config)
+    posed = prepared.posed
+    touched = clearance_between(posed, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
     try:
-        chosen = choose(graph, node, attack, config=config)
+        chosen = choose(prepared, node, attack, config=config)
     except AttackError:  # it is in the body where the path would begin
-        return Path(status="hit", walk=None, joint=False)
-    if chosen.status == "no_candidate":
-        return Path(status="hit" if touched else "no_candidate", walk=None, joint=False)
-    joint = _clear(graph, chosen.walk, others)
-    if chosen.status == "avoided" and not joint:
-        walk = _clear_of_all(graph, node, attack, others, config)
+        return JointPath(status=Status.HIT, walk=None, joint=False)
+    status = Status.HIT if touched else chosen.status
+    if chosen.status == Status.NO_CANDIDATE:
+        return JointPath(status=status, walk=None, joint=False)
+    joint = _clear(posed, chosen.walk, others)
+    if chosen.status == Status.AVOIDED and not joint:
+        walk = _clear_of_all(prepared, node, attack, others, config)
         if walk is not None:
-            return Path(status="hit" if touched else "avoided", walk=walk, joint=True)
-    return Path(status="hit" if touched else chosen.status, walk=chosen.walk, joint=joint)
+            return JointPath(status=status, walk=walk, joint=True)
+    return JointPath(status=status, walk=chosen.walk, joint=joint)
 
 
-def _clear(graph: MotionGraph, walk: Walk, attacks: Sequence[Attack]) -> bool:
-    end = float(walk.starts(graph)[-1])
-    return all(clearance_between(graph, a, walk, 0.0, end) >= CLEAR_M for a in attacks)
+def _clear(posed: PosedGraph, walk: Walk, attacks: Sequence[Attack]) -> bool:
+    end = float(walk.starts(posed.graph)[-1])
+    return all(clearance_between(posed, a, walk, 0.0, end) >= CLEAR_M for a in attacks)
 
 
 def _clear_of_all(
-    graph: MotionGraph,
+    prepared: Prepared,
     node: int,
     attack: Attack,
     others: Sequence[Attack],
@@ -97,21 +101,21 @@ def _clear_of_all(
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     if crop is None:
         return None
-    tables, device = search_tables(graph, config.body_rate, config.speed)
-    found = enumerate_candidates(
-        graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
+    graph, posed = prepared.graph, prepared.posed
+    candidates = enumerate_candidates(
+        graph, prepared.tables, node, crop.middle, window=config.T_window, capacity=config.capacity
     )
-    if not len(found.length):
+    if not len(candidates.length):
         return None
-    judged = judge(device, found, attack, crop, config, frame_rate=graph.frame_rate)
+    judged = judge(prepared.device, candidates, attack, crop, config, frame_rate=graph.frame_rate)
     for index in judged["order"][: config.checks]:
-        length = int(found.length[index])
-        path = make_walk(graph, found.edges[index, :length], judged["scales"][index, :length])
-        if not _clear(graph, path, others):
+        length = int(candidates.length[index])
+        path = make_walk(graph, candidates.edges[index, :length], judged["scales"][index, :length])
+        if not _clear(posed, path, others):
             continue
-        played = play_on(graph, attack, path, config)
+        played = continue_clear(posed, attack, path, config)
         clear = played.clearance >= CLEAR_M and played.clear_until is None
-        if clear and _clear(graph, played.walk, others):
+        if clear and _clear(posed, played.walk, others):
             return played.walk
     return None
 
@@ -127,4 +131,4 @@ def played_clearance(graph: MotionGraph, piece: Piece, attack: Attack, since: fl
     motion = sample_walk(graph, piece.walk, times - piece.begins, start=piece.start)
     spheres = preset_spheres(graph.skeleton)
     trace = trace_motion(graph, spheres, replace(motion, frame_rate=EXPORT_RATE))
-    return clearance(retimed(attack, first / EXPORT_RATE), trace, spheres.radii)[1]
+    return clearance(shifted(attack, first / EXPORT_RATE), trace, spheres.radii)[1]

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from experiments.benchmarks.grid_index import paths_per_cell
-from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice import choosing as choice
-from mgjax.avoidance.choice.verify import Settled
+from mgjax.avoidance.choice.decision import Decision
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index import build as grid_build
 from mgjax.avoidance.index import part_volumes as grid_parts
@@ -253,18 +253,16 @@ def test_the_choice_is_as_good_with_the_index(
     judged: list[int] = []
     real = choice.best_of
 
-    def best_of(*given: Any) -> Settled:
-        judged.append(len(given[4].length))
+    def best_of(*given: Any) -> Decision:
+        judged.append(len(given[1].candidates.length))
         return real(*given)
 
     monkeypatch.setattr(choice, "best_of", best_of)
     monkeypatch.setattr(choice, "enumerate_candidates", None)  # the index holds them all
     looked_up = rest = 0
     for node in rng.integers(made_graph.num_nodes, size=24):
-        at = np.array([0.0, rng.uniform(0.5, 1.7), 0.0])
-        side = rng.uniform(0, 2 * np.pi)
-        start = at + 3 * np.array([np.sin(side), 0, np.cos(side)])
-        attack = ball_attack(start, at, speed=10.0, arrives=SHORT_S - 0.6)
+        height, side = rng.uniform(0.5, 1.7), rng.uniform(0, 2 * np.pi)
+        attack = ball_from(side, height, distance=3.0, arrives=SHORT_S - 0.6)
         config = AvoidanceConfig(checks=8)
         with monkeypatch.context() as plainly:
             plainly.setattr(choice, "enumerate_candidates", enumerate_candidates)
