@@ -23,6 +23,7 @@ from experiments.avoidance.throws import percentiles
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
+from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
@@ -59,7 +60,7 @@ def run(config: Config, points: Points) -> Results:
     """Measures both; what an interrupted run has measured is taken over."""
     graph = graph_of(config.graph)
     balls = seeded_balls(graph, config.balls, config.seed)
-    top = prepared_for(graph, AvoidanceConfig()).tables.top_speed
+    top = edge_tables(graph, AvoidanceConfig().body_rate).top_speed
     metrics: dict[str, Any] = {
         "edge_top_speed_p5_p25_p50_p75_p95": np.percentile(top, [5, 25, 50, 75, 95]),
         "E_avoidance": {
@@ -103,22 +104,18 @@ def penetrations(
     config = AvoidanceConfig()
     config = replace(config, energy=replace(config.energy, form=form))
     prepared = prepared_for(graph, config)
+    tables, device = prepared.tables, prepared.device
     found: list[np.ndarray] = []
     for node, attack in balls:
         crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
         if crop is None:
             continue
         candidates = enumerate_candidates(
-            graph,
-            prepared.tables,
-            node,
-            crop.middle,
-            window=config.T_window,
-            capacity=config.capacity,
+            graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
         )
         if len(candidates.length):
             rate = graph.frame_rate
-            judged = judge(prepared.device, candidates, attack, crop, config, frame_rate=rate)
+            judged = judge(device, candidates, attack, crop, config, frame_rate=rate)
             clear = (judged["status"] == OK) & (judged["d"] >= 0)
             found.append(judged["penetration"][clear])
     return np.concatenate(found) if found else np.zeros(0)
@@ -127,7 +124,7 @@ def penetrations(
 def success(graph: MotionGraph, balls: list[tuple[int, Attack]], v_slow: float) -> dict[str, Any]:
     """Share avoided, and the largest end-effector speed of the paths chosen, as they are played."""
     config = AvoidanceConfig(speed=SpeedConfig(V_fast=0.3, V_slow=v_slow, V_still=min(0.3, v_slow)))
-    top = prepared_for(graph, config).tables.top_speed
+    top = edge_tables(graph, config.body_rate).top_speed
     avoided = 0
     speeds: list[float] = []
     scales: list[float] = []

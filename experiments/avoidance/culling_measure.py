@@ -108,9 +108,8 @@ def check_all(scene: Scene, balls: list[Ball], most: int, seed: int) -> dict[str
 def timed(scene: Scene, ball: Ball) -> tuple[np.ndarray, np.ndarray]:
     """Status and scales of the candidates (eqs 2–3): culling needs to know when edges play."""
     device = prepared_for(scene.graph, scene.settings).device
-    return timing_of(
-        device, ball.candidates, ball.crop, scene.settings, frame_rate=scene.graph.frame_rate
-    )
+    rate = scene.graph.frame_rate
+    return timing_of(device, ball.candidates, ball.crop, scene.settings, frame_rate=rate)
 
 
 def culled(scene: Scene, ball: Ball, scales: np.ndarray, form: Form) -> Candidates:
@@ -137,8 +136,8 @@ def _search(scene: Scene, ball: Ball, candidates: Candidates) -> bool:
     if not len(candidates.length):
         return False
     query = Query(node=ball.node, attack=ball.attack, crop=ball.crop, candidates=candidates)
-    decision = best_of(prepared_for(scene.graph, scene.settings), query, scene.settings)
-    return decision.choice is not None and decision.choice.status == "avoided"
+    settled = best_of(prepared_for(scene.graph, scene.settings), query, scene.settings)
+    return settled.choice is not None and settled.choice.status == "avoided"
 
 
 def answers_of(scene: Scene, balls: list[Ball]) -> dict[str, dict[str, float]]:

@@ -94,7 +94,7 @@ def measure(
 def _answer(swept: Swept, setting: int) -> Answer:
     part = swept.part(setting)
     candidates = 0 if swept.candidates is None else len(swept.candidates.length)
-    outcome = tuple(Status)[swept.status[setting]].value
+    outcome = tuple(Status)[swept.status[setting]]
     if outcome == "no_candidate":
         outcome = "not_near" if swept.crop is None else outcome
         outcome = "no_time_scale" if candidates else outcome

@@ -9,7 +9,6 @@ import jax
 from mgjax.avoidance.body.device_tables import DeviceTables, device_tables
 from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
 from mgjax.avoidance.body.poses import GraphPoses, PosedGraph, body_reach, graph_poses
-from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig, validate_config
 from mgjax.avoidance.culling.pictures import Slices, build_slices
 from mgjax.avoidance.index.protocol import CandidateIndex
@@ -99,9 +98,9 @@ class _Made:
 
 
 def _make(graph: MotionGraph, config: AvoidanceConfig) -> _Made:
-    spheres = preset_spheres(graph.skeleton)
-    poses, reach = graph_poses(graph, spheres), body_reach(graph.skeleton, spheres)
     tables = edge_tables(graph, config.body_rate)
+    poses = graph_poses(graph, tables.spheres)
+    reach = body_reach(graph.skeleton, tables.spheres)
     posed = PosedGraph(graph=graph, poses=poses, reach=reach)
     device = device_tables(posed, tables, config.speed)
     return _Made(tables=tables, device=device, poses=poses, reach=reach)

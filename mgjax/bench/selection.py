@@ -16,13 +16,14 @@ from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.choice.choosing import best_of, choose
+from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.search import Query
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling.candidates import PIXELS
 from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.many.attacks import select_batch
-from mgjax.avoidance.prepared import prepared_for
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.graph.types import NO_EDGE, MotionGraph
 
 CONDITIONS = ((True, True), (False, True), (True, False), (False, False))
@@ -65,11 +66,10 @@ def condition_rows(
 
     A time runs from the attack to the chosen path, its exact check included, and is the median of
     ``repeats`` calls. ``candidates`` is the mean of what the condition starts from: those looked up
-    where the index holds counted, else those enumerated; the slices then drop counted.
+    where the index holds some, else those enumerated; the slices then drop some.
     """
     configs = {True: AvoidanceConfig(culling="binned"), False: AvoidanceConfig()}
-    if balls:
-        prepared_for(graph, configs[True])
+    prepared = {sliced: prepared_for(graph, config) for sliced, config in configs.items()}
     first, seconds = np.zeros(4), np.zeros((4, repeats, len(balls)))
     statuses = np.zeros((4, len(balls)), dtype=object)
     counts = np.zeros((2, len(balls)), dtype=np.int64)
@@ -79,7 +79,7 @@ def condition_rows(
             for b, ball in enumerate(balls):
                 begin = time.perf_counter()
                 choice = choose(
-                    graph,
+                    prepared[sliced],
                     ball.node,
                     ball.attack,
                     config=configs[sliced],
@@ -92,7 +92,7 @@ def condition_rows(
                 else:
                     seconds[c, turn, b] = passed
     for b, ball in enumerate(balls):
-        counts[:, b], answered[b] = _counts(graph, index, ball, configs[False])
+        counts[:, b], answered[b] = _counts(prepared[False], index, ball, configs[False])
     times = np.median(seconds, axis=1) * 1e3
     rows = []
     for c, (looked_up, sliced) in enumerate(CONDITIONS):
@@ -119,14 +119,13 @@ def condition_rows(
 
 
 def _counts(
-    graph: MotionGraph, index: CandidateIndex, ball: Ball, config: AvoidanceConfig
+    prepared: Prepared, index: CandidateIndex, ball: Ball, config: AvoidanceConfig
 ) -> tuple[tuple[int, int], bool]:
     """Candidates looked up and enumerated; whether the index answers."""
     crop = crop_attack(ball.attack, radius=config.crop_radius_m, height=config.crop_height_m)
     assert crop is not None
-    prepared = prepared_for(graph, config)
     every = enumerate_candidates(
-        graph,
+        prepared.graph,
         prepared.tables,
         ball.node,
         crop.middle,
@@ -141,7 +140,7 @@ def _counts(
     query = Query(node=ball.node, attack=ball.attack, crop=crop, candidates=looked_up)
     decision = best_of(prepared, query, config)
     # Where the index holds nothing that is clear, the other candidates are enumerated after all.
-    answered = decision.choice is not None and decision.choice.status == "avoided"
+    answered = decision.choice is not None and decision.choice.status == Status.AVOIDED
     return (len(looked_up.length), len(every.length)), answered
 
 
@@ -213,21 +212,21 @@ def batch_row(
     balls = random_balls(graph, attacks, seed)
     places = np.array([ball.node for ball in balls])
     places = np.random.default_rng(seed).choice(places, nodes)[np.arange(attacks) % nodes]
-    thrown = [ball.attack for ball in balls]
-    answers = None
+    given = [ball.attack for ball in balls]
+    found = None
 
     def work() -> Any:
-        nonlocal answers
-        answers = select_batch(graph, places, thrown)
-        return answers.clearance
+        nonlocal found
+        found = select_batch(graph, places, given)
+        return found.clearance
 
     row = _timed(work, repeats)
-    assert answers is not None
+    assert found is not None
     return {
         "case": "many attacks at once",
         "attacks": attacks,
         "nodes": nodes,
-        "candidates": float(answers.candidates.mean()),
+        "candidates": float(found.candidates.mean()),
         "per_attack_ms": row["median_ms"] / attacks,
         **row,
     }

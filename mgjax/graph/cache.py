@@ -1,7 +1,8 @@
 """The one cache of the library for what is computed from a motion graph.
 
-A graph is immutable and compared by identity, so what follows from it is kept by its identity, for
-the graphs used last. The cache holds graphs weakly: what was computed from a graph goes with it.
+A graph does not change and is compared by identity, so what follows from it is kept by its
+identity, for the graphs used last. The cache holds graphs weakly: what was computed from a graph
+goes with it. Arrays of a graph that the cache knows are read-only, so nothing kept can go stale.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ import weakref
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from typing import Any, TypeVar
+
+import numpy as np
 
 from mgjax.graph.types import MotionGraph
 
@@ -44,7 +47,7 @@ class GraphCache:
         """The value of a key for a graph, computed where it is not kept.
 
         Args:
-            graph: compared by identity, and held weakly.
+            graph: compared by identity, and held weakly. Its arrays become read-only.
             key: names the value and all that it depends on beside the graph.
             make: computes it. The value must not refer to the graph, or neither is ever freed; a
                 raised error is passed on and not kept. It may call ``cached`` for other keys.
@@ -62,6 +65,7 @@ class GraphCache:
         number = id(graph)
         entry = self._entries.get(number)
         if entry is None or entry.graph() is not graph:
+            _freeze(graph)
             entry = _Entry(weakref.ref(graph, lambda dead: self._forget(number, dead)))
             self._entries[number] = entry
         self._entries.move_to_end(number)
@@ -93,6 +97,13 @@ class _Slot:
         self.lock = threading.RLock()
         self.full = False
         self.value: Any = None
+
+
+def _freeze(graph: MotionGraph) -> None:
+    """Makes the arrays of a graph read-only."""
+    for value in [*vars(graph).values(), graph.skeleton.offsets]:
+        if isinstance(value, np.ndarray):
+            value.flags.writeable = False
 
 
 _CACHE = GraphCache()

@@ -121,8 +121,8 @@ def _stacked(axes: Axes, found: Coverage, masks: dict[str, np.ndarray]) -> None:
     left = np.zeros(len(masks))
     status = found.answers.status
     places = np.arange(len(masks))[::-1]
-    for (name, colour), number in zip(COLOURS.items(), range(len(Status)), strict=True):
-        share = np.array([100 * (status[mask] == number).mean() for mask in masks.values()])
+    for (name, colour), outcome in zip(COLOURS.items(), Status, strict=True):
+        share = np.array([100 * (status[mask] == outcome.code).mean() for mask in masks.values()])
         bars = axes.barh(places, share, left=left, color=colour, label=name)
         texts = [f"{x:.0f}" if x > 4 else "" for x in share]
         axes.bar_label(bars, texts, label_type="center", fontsize=8, color="white")

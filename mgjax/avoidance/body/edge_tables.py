@@ -57,7 +57,7 @@ class EdgeTables:
 
 
 def edge_tables(graph: MotionGraph, body_rate: float) -> EdgeTables:
-    """The tables of a graph, with body volumes sampled ``body_rate`` times a second."""
+    """Makes the tables of a graph, with body volumes sampled ``body_rate`` times a second."""
     spheres = preset_spheres(graph.skeleton)
     positions = np.asarray(
         forward(graph.skeleton, graph.root_translation, graph.local_rotations)[0]

@@ -8,7 +8,6 @@ from typing import Literal
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.checks.written import Trace, clearance, trace_motion, walk_motion
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import extend
@@ -85,21 +84,21 @@ def select(
     validate_config(config)
     prepared = prepared_for(graph, config, index)
     choice = choose(prepared, node, attack, config=config, seed=seed)
-    return write(prepared.graph, attack, choice, config)
+    return write(prepared, attack, choice, config)
 
 
-def write(graph: MotionGraph, attack: Attack, choice: Choice, config: AvoidanceConfig) -> Selection:
+def write(prepared: Prepared, attack: Attack, choice: Choice, config: AvoidanceConfig) -> Selection:
     """Makes the motion of a choice, and checks that very motion once more.
 
     Its clearance, and so the status, come from the forward kinematics of what is written. A choice
     that is clear is played smoothly if it is clear then, too.
     """
-    linear, smooth = both_timings(graph, choice)
+    linear, smooth = both_timings(prepared.graph, choice)
     if config.warp == "smooth" and choice.status == Status.AVOIDED:
-        selection = _write(graph, attack, choice, config, "smooth", smooth)
+        selection = _write(prepared, attack, choice, config, "smooth", smooth)
         if selection.status == Status.AVOIDED:
             return selection
-    return _write(graph, attack, choice, config, "linear", linear)
+    return _write(prepared, attack, choice, config, "linear", linear)
 
 
 def both_timings(graph: MotionGraph, choice: Choice) -> tuple[TimeWarp, TimeWarp]:
@@ -113,14 +112,14 @@ def both_timings(graph: MotionGraph, choice: Choice) -> tuple[TimeWarp, TimeWarp
 
 
 def _write(
-    graph: MotionGraph,
+    prepared: Prepared,
     attack: Attack,
     choice: Choice,
     config: AvoidanceConfig,
     form: Literal["smooth", "linear"],
     timing: TimeWarp,
 ) -> Selection:
-    spheres = preset_spheres(graph.skeleton)
+    graph, spheres = prepared.graph, prepared.tables.spheres
     until = attack.end + config.settle_s
     walk = choice.walk
     if form == "smooth":  # it may come further within that time

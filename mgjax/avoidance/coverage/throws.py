@@ -13,7 +13,7 @@ from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.many.attacks import BatchSelection, select_batch
-from mgjax.avoidance.prepared import prepared_for
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.core.errors import ConfigError, GraphError
 from mgjax.graph.types import MotionGraph
 
@@ -67,7 +67,7 @@ class Coverage:
 
 
 def coverage(
-    graph: MotionGraph,
+    graph: MotionGraph | Prepared,
     *,
     directions: int = 16,
     heights: Sequence[float] = HEIGHTS_M,
@@ -85,7 +85,8 @@ def coverage(
     often (to within one); that says more about a graph than all of them at fewer nodes would.
 
     Args:
-        graph: a motion graph with labelled avoidance parts.
+        graph: a motion graph with labelled avoidance parts, or what
+            :func:`~mgjax.avoidance.prepared.prepare` made of one.
         directions: how many, evenly spaced; the first is straight ahead.
         heights: at the body's axis, m.
         arrivals: seconds from now until a ball is at the axis.
@@ -103,13 +104,14 @@ def coverage(
     config = config or AvoidanceConfig()
     validate_config(config)
     _validate(directions, heights, arrivals, nodes, seed, speed, config)
+    prepared = prepared_for(graph, config)
+    graph = prepared.graph
     if not len(graph.label_edge):
         raise GraphError(
             "got a graph without avoidance parts, expected one that was built with labels"
         )
     angles = 2 * np.pi * np.arange(directions) / directions
     high, late = np.unique(np.asarray(heights, float)), np.unique(np.asarray(arrivals, float))
-    prepared = prepared_for(graph, config)
     nearest = prepared.tables.nearest_part
     node, direction, dealt = _deal(nearest, directions, nodes, len(high) * len(late), seed)
     height, arrival = dealt % len(high), dealt // len(high)

@@ -19,10 +19,8 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Bool, Float
 
+from mgjax.avoidance.rates import FAR
 from mgjax.core.arrays import Array
-
-FAR = 1e6
-"""Clearance of a path that meets no active attack, m: large, but finite."""
 
 _TINY = 1e-20
 """Squared length under which two points coincide or a sphere stands still, m²."""

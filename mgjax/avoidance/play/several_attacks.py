@@ -10,7 +10,6 @@ import numpy as np
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.attacks.transform import in_frame, shifted
-from mgjax.avoidance.body.poses import PosedGraph
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.checks.fast import clearance_between
@@ -21,7 +20,7 @@ from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.play.timeline import Piece
-from mgjax.avoidance.prepared import Prepared, prepared_for
+from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
@@ -33,7 +32,7 @@ class JointPath:
     """What a search for the newest of several attacks found.
 
     Attributes:
-        status: as of :class:`mgjax.avoidance.choice.results.Choice`, for the newest attack;
+        status: as of :class:`mgjax.avoidance.choice.choosing.Choice`, for the newest attack;
             ``hit`` also if it reaches the body before the path can begin.
         walk: what to play; None if nothing avoids better than any other walk.
         joint: whether the walk is clear of the other attacks, too.
@@ -45,7 +44,7 @@ class JointPath:
 
 
 def find_path(
-    graph: MotionGraph,
+    prepared: Prepared,
     node: int,
     attack: Attack,
     others: Sequence[Attack],
@@ -59,7 +58,8 @@ def find_path(
     there is none the newest attack counts and the selected walk stays.
 
     Args:
-        graph, node: where the path begins.
+        prepared: of the graph.
+        node: where the path begins.
         attack: the newest, in the planar frame of the node, from the beginning of the path on.
         others: those that are still under way, in the same frame.
         config: settings.
@@ -67,9 +67,7 @@ def find_path(
             before 0).
     """
     begun = in_frame(attack, rest.start, rest.begins)
-    prepared = prepared_for(graph, config)
-    posed = prepared.posed
-    touched = clearance_between(posed, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
+    touched = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
     try:
         chosen = choose(prepared, node, attack, config=config)
     except AttackError:  # it is in the body where the path would begin
@@ -77,7 +75,7 @@ def find_path(
     status = Status.HIT if touched else chosen.status
     if chosen.status == Status.NO_CANDIDATE:
         return JointPath(status=status, walk=None, joint=False)
-    joint = _clear(posed, chosen.walk, others)
+    joint = _clear(prepared, chosen.walk, others)
     if chosen.status == Status.AVOIDED and not joint:
         walk = _clear_of_all(prepared, node, attack, others, config)
         if walk is not None:
@@ -85,9 +83,9 @@ def find_path(
     return JointPath(status=status, walk=chosen.walk, joint=joint)
 
 
-def _clear(posed: PosedGraph, walk: Walk, attacks: Sequence[Attack]) -> bool:
-    end = float(walk.starts(posed.graph)[-1])
-    return all(clearance_between(posed, a, walk, 0.0, end) >= CLEAR_M for a in attacks)
+def _clear(prepared: Prepared, walk: Walk, attacks: Sequence[Attack]) -> bool:
+    end = float(walk.starts(prepared.graph)[-1])
+    return all(clearance_between(prepared.posed, a, walk, 0.0, end) >= CLEAR_M for a in attacks)
 
 
 def _clear_of_all(
@@ -101,9 +99,14 @@ def _clear_of_all(
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     if crop is None:
         return None
-    graph, posed = prepared.graph, prepared.posed
+    graph = prepared.graph
     candidates = enumerate_candidates(
-        graph, prepared.tables, node, crop.middle, window=config.T_window, capacity=config.capacity
+        graph,
+        prepared.tables,
+        node,
+        crop.middle,
+        window=config.T_window,
+        capacity=config.capacity,
     )
     if not len(candidates.length):
         return None
@@ -111,11 +114,11 @@ def _clear_of_all(
     for index in judged["order"][: config.checks]:
         length = int(candidates.length[index])
         path = make_walk(graph, candidates.edges[index, :length], judged["scales"][index, :length])
-        if not _clear(posed, path, others):
+        if not _clear(prepared, path, others):
             continue
-        played = continue_clear(posed, attack, path, config)
+        played = continue_clear(prepared.posed, attack, path, config)
         clear = played.clearance >= CLEAR_M and played.clear_until is None
-        if clear and _clear(posed, played.walk, others):
+        if clear and _clear(prepared, played.walk, others):
             return played.walk
     return None
 

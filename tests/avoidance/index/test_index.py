@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -13,6 +11,7 @@ from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice import choosing as choice
 from mgjax.avoidance.choice.decision import Decision
+from mgjax.avoidance.choice.search import Query
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index import build as grid_build
 from mgjax.avoidance.index import part_volumes as grid_parts
@@ -21,6 +20,7 @@ from mgjax.avoidance.index.cells import touched_cells
 from mgjax.avoidance.index.index import GridIndex
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.index.swept_cells import swept_cells
+from mgjax.avoidance.prepared import Prepared
 from mgjax.graph.types import MotionGraph
 from tests.avoidance.index.made import (
     RATE,
@@ -253,9 +253,9 @@ def test_the_choice_is_as_good_with_the_index(
     judged: list[int] = []
     real = choice.best_of
 
-    def best_of(*given: Any) -> Decision:
-        judged.append(len(given[1].candidates.length))
-        return real(*given)
+    def best_of(prepared: Prepared, query: Query, config: AvoidanceConfig) -> Decision:
+        judged.append(len(query.candidates.length))
+        return real(prepared, query, config)
 
     monkeypatch.setattr(choice, "best_of", best_of)
     monkeypatch.setattr(choice, "enumerate_candidates", None)  # the index holds them all
