@@ -13,6 +13,7 @@ from matplotlib.patches import Circle
 
 from mgjax.avoidance.attacks.ball import BALL_RADIUS_M
 from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.config import BALL_RADIUS_M
 from mgjax.avoidance.coverage.shares import cells, outcomes, worst_cells
 from mgjax.avoidance.coverage.throws import Coverage
 from mgjax.core import planar

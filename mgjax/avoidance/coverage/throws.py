@@ -11,15 +11,20 @@ from tqdm import tqdm
 
 from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.choice.results import Status
-from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.avoidance.config import (
+    ARRIVALS_S,
+    BALL_SPEED_M_S,
+    DIRECTIONS,
+    HEIGHTS_M,
+    NODES,
+    AvoidanceConfig,
+    validate_config,
+)
 from mgjax.avoidance.many.attacks import BatchSelection, select_batch
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.core.errors import ConfigError, GraphError
 from mgjax.graph.types import MotionGraph
 
-HEIGHTS_M = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7)
-"""Where balls pass the body's axis: from the shins to the head."""
-ARRIVALS_S = (0.8, 1.2, 1.6)
 DISTANCE_M = 5.0
 """From where a ball is thrown to the body's axis."""
 NO_KIND = -1
@@ -69,12 +74,12 @@ class Coverage:
 def coverage(
     graph: MotionGraph | Prepared,
     *,
-    directions: int = 16,
+    directions: int = DIRECTIONS,
     heights: Sequence[float] = HEIGHTS_M,
     arrivals: Sequence[float] = ARRIVALS_S,
-    nodes: int = 256,
+    nodes: int = NODES,
     seed: int = 0,
-    speed: float = 10.0,
+    speed: float = BALL_SPEED_M_S,
     config: AvoidanceConfig | None = None,
     progress: bool = False,
 ) -> Coverage:
