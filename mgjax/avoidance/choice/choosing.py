@@ -109,7 +109,7 @@ def best_of(prepared: Prepared, query: Query, config: AvoidanceConfig) -> Decisi
     result = search_one(
         prepared.device,
         given.walks,
-        given.shots,
+        given.attack_batch,
         on_device(config.energy),
         frame_rate=prepared.graph.frame_rate,
         limit_scale=config.limit_scale,

@@ -17,7 +17,7 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.body.device_tables import DeviceTables, PartColumn
 from mgjax.avoidance.body.volumes import read_edges
-from mgjax.avoidance.candidates.batch import Walks, pad_candidates
+from mgjax.avoidance.candidates.batch import CandidateBatch, pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling.overlap import overlap_pixels
@@ -124,7 +124,7 @@ def timing_of(
 @partial(jax.jit, static_argnames="half_frame")
 def _timing(
     tables: DeviceTables,
-    walks: Walks,
+    walks: CandidateBatch,
     t_attack: Float[Array, ""],
     limit: Float[Array, ""],
     *,

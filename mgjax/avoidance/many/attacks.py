@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import Shots, make_shot
+from mgjax.avoidance.attacks.batch import AttackBatch, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
-from mgjax.avoidance.candidates.batch import LENGTH, empty_walks, pad_candidates
+from mgjax.avoidance.candidates.batch import EDGE_BUCKET, empty_candidate_batch, pad_candidates
 from mgjax.avoidance.candidates.enumerate import (
     Candidates,
     enumerate_candidates,
@@ -83,7 +83,7 @@ class _Asked:
 
     number: int
     query: Query
-    shots: Shots
+    attack_batch: AttackBatch
 
 
 def select_batch(
@@ -176,8 +176,8 @@ def _all_asked(
             if len(subset.length):
                 query = Query(node=int(node), attack=attacks[i], crop=crops[i], candidates=subset)
                 long = is_long(subset, query.attack)
-                shots = make_shot(query.attack, query.crop, config, reach, long=long)
-                yield _Asked(number=i, query=query, shots=shots)
+                attack_batch = make_attack_batch(query.attack, query.crop, config, reach, long=long)
+                yield _Asked(number=i, query=query, attack_batch=attack_batch)
 
 
 def _groups(all_asked: Iterator[_Asked]) -> Iterator[list[_Asked]]:
@@ -185,7 +185,7 @@ def _groups(all_asked: Iterator[_Asked]) -> Iterator[list[_Asked]]:
     waiting: dict[tuple, tuple[list[_Asked], int]] = {}
     for asked in all_asked:
         count = len(asked.query.candidates.length)
-        shape = asked.shots.frames.shape
+        shape = asked.attack_batch.frames.shape
         group, together = waiting.get(shape, ([], 0))
         if group and (len(group) == MOST or together + count > TOGETHER):
             yield group
@@ -223,8 +223,8 @@ def _search(prepared: Prepared, group: list[_Asked], config: AvoidanceConfig) ->
     size = bucket_size(int(firsts[-1]), TOGETHER, 4)
     long = is_long(group[-1].query.candidates, group[-1].query.attack)
     longest = max(asked.query.candidates.edges.shape[1] for asked in group)
-    longest = max(longest, LENGTH + 1 if long else 0)
-    walks = empty_walks(bucket_size(longest, LENGTH, 4), size, shared=False)
+    longest = max(longest, EDGE_BUCKET + 1 if long else 0)
+    walks = empty_candidate_batch(bucket_size(longest, EDGE_BUCKET, 4), size, shared=False)
     table = walks.table
     table[-1] = MOST - 1
     first = np.full(MOST, size - 1, np.int32)
@@ -234,7 +234,7 @@ def _search(prepared: Prepared, group: list[_Asked], config: AvoidanceConfig) ->
         rows = slice(begin, begin + len(own.length))
         table[: own.edges.shape[1], rows] = own.edges.T
         table[-3, rows], table[-2, rows], table[-1, rows] = own.length, own.part, number
-    filled = [asked.shots for asked in group]
+    filled = [asked.attack_batch for asked in group]
     filled += [filled[-1]] * (MOST - len(filled))
     return search_many(
         prepared.device,
@@ -308,7 +308,7 @@ def _look_closer(
     """Decides on one attack alone, with the exact check where bounds leave a doubt."""
     query = asked.query
     walks = pad_candidates(query.candidates, long=is_long(query.candidates, query.attack))
-    given = SearchInput(walks=walks, shots=asked.shots)
+    given = SearchInput(walks=walks, attack_batch=asked.attack_batch)
     result = replace(result, scales=result.scales[: len(walks.edges)])  # padded for the group
     choice = decide(prepared, query, given, result, config).choice
     assert choice is not None

@@ -1,4 +1,4 @@
-"""Walks, attacks and pictures that culling is tested with."""
+"""CandidateBatch, attacks and pictures that culling is tested with."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def attack_set(drawn: Drawn, number: int) -> set:
 
 
 def random_walks(graph: MotionGraph, count: int, longest: int, seed: int) -> Candidates:
-    """Walks from node 0 with 1 … ``longest`` edges; their parts do not matter here."""
+    """CandidateBatch from node 0 with 1 … ``longest`` edges; their parts do not matter here."""
     rng = np.random.default_rng(seed)
     edges = np.full((count, longest), NO_EDGE)
     length = rng.integers(1, longest + 1, count)
