@@ -222,6 +222,8 @@ class Listen(Output):
     """Address of this machine to listen on; anything but loopback hears the whole network."""
     port: int = PORT
     """Its port; 0 takes a free one."""
+    config: Path | None = None
+    """TOML file of settings: how kicks are found and compared."""
 
 
 @dataclass(frozen=True, kw_only=True)
