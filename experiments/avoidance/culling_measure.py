@@ -19,8 +19,8 @@ from mgjax.avoidance.choice.choosing import best_of
 from mgjax.avoidance.choice.continuation import continue_clear
 from mgjax.avoidance.choice.search import Query
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.culling.candidates import timing_of
-from mgjax.avoidance.culling.cull import cull, overlap_pixels
+from mgjax.avoidance.culling.cull import cull, timing_of
+from mgjax.avoidance.culling.overlap import overlap_pixels
 from mgjax.avoidance.culling.pictures import Form, Slices
 from mgjax.avoidance.culling.rasterise import draw_attack
 from mgjax.avoidance.energy.evaluate import judge

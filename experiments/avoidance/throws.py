@@ -14,7 +14,7 @@ from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.body.edge_tables import EdgeTables
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
-from mgjax.avoidance.checks.written import clearance, trace_motion, walk_motion
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_motion
 from mgjax.avoidance.choice.selection import Selection, select
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import prepared_for
@@ -187,7 +187,7 @@ def _gaps(
         end += graph.edge_frames[edges[-1]] / graph.frame_rate
     spheres = preset_spheres(graph.skeleton)
     motion = walk_motion(graph, make_walk(graph, np.array(edges)), until)
-    trace = trace_motion(graph, spheres, motion)
+    trace = sphere_trajectory(graph, spheres, motion)
     steps, gap = clearance(attack, trace, spheres.radii)
     return gap, float(steps[trace.times[1:] <= path_end].min(initial=np.inf))
 

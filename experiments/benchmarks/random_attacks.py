@@ -26,7 +26,7 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.merge import merge_attacks
 from mgjax.avoidance.body.spheres import preset_spheres
-from mgjax.avoidance.checks.written import clearance, trace_motion, walk_motion
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_motion
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.compile_ahead import warm_up
 from mgjax.avoidance.config import AvoidanceConfig
@@ -181,7 +181,7 @@ def least_distance(
     """Clearance of the written motion, swept 240 times a second."""
     spheres = preset_spheres(graph.skeleton)
     motion = walk_motion(graph, walk, attack.end + settings.settle_s)
-    return clearance(attack, trace_motion(graph, spheres, motion), spheres.radii)[1]
+    return clearance(attack, sphere_trajectory(graph, spheres, motion), spheres.radii)[1]
 
 
 class _Compilations:

@@ -19,7 +19,7 @@ from mgjax.avoidance.choice.choosing import best_of, choose
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.search import Query
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.culling.candidates import PIXELS
+from mgjax.avoidance.culling.cull import PIXELS
 from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.many.attacks import select_batch

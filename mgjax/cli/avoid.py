@@ -30,7 +30,7 @@ from mgjax.pictures.throws import Throw, scene_picture
 def run(command: Avoid) -> None:
     """Throws a ball, or what a file says, and writes what came of it."""
     if command.seed < 0:
-        raise ConfigError(f"got seed {command.seed}, expected 0 or more")
+        raise ConfigError(got=f"seed {command.seed}", expected="0 or more")
     config = load_config(command.config, AvoidanceConfig) if command.config else AvoidanceConfig()
     graph = load_graph(command.graph)
     node = command.node
@@ -61,11 +61,13 @@ def attack_of(command: Avoid) -> Attack:
         extra += ["--gravity"] if command.gravity else []
         extra += ["--radius"] if command.radius != Avoid.radius else []
         if extra:
-            raise ConfigError(f"got --attack beside {', '.join(extra)}, expected only one of both")
+            raise ConfigError(
+                got=f"--attack beside {', '.join(extra)}", expected="only one of both"
+            )
         return load_attack(command.attack)
     if start is None or at is None or speed is None or arrives is None:
         missing = ", ".join(name for name, value in ball.items() if value is None)
-        raise ConfigError(f"got no {missing}, expected {', '.join(ball)}, or --attack")
+        raise ConfigError(got=f"no {missing}", expected=f"{', '.join(ball)}, or --attack")
     return ball_attack(
         np.array(start),
         np.array(at),

@@ -8,7 +8,7 @@ import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.body.spheres import preset_spheres
-from mgjax.avoidance.checks.written import Trace, clearance
+from mgjax.avoidance.checks.written import SphereTrajectory, clearance
 from mgjax.avoidance.choice.selection import Selection
 from mgjax.avoidance.timing.time_warp import part_moments
 from mgjax.core.kinematics import global_positions
@@ -76,7 +76,7 @@ def throw_scene(graph: MotionGraph, throw: Throw) -> Scene:
     )
 
 
-def _nearest_ball(attack: Attack, trace: Trace, radii: np.ndarray, time: float) -> int:
+def _nearest_ball(attack: Attack, trace: SphereTrajectory, radii: np.ndarray, time: float) -> int:
     """The sphere of an attack that is nearest to the body; of those that are there, if any is."""
     body = trace.centres[int(np.searchsorted(trace.times, time))]
     now = np.array([time])

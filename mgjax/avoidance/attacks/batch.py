@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import IntEnum
 
 import jax.numpy as jnp
 import numpy as np
@@ -17,10 +18,10 @@ from mgjax.core.arrays import Array
 from mgjax.core.xla.padding import bucket_size
 from mgjax.core.xla.pytree import register
 
-FRAMES = 256
+FRAME_BUCKET = 256
 """Frames of an attack that a call is compiled for, and thirty-two times as many."""
 
-SPHERES = 1
+SPHERE_BUCKET = 1
 """Spheres of an attack that a call is compiled for, and eight times as many, …"""
 
 _ABSENT_S = -1e9
@@ -29,19 +30,38 @@ _ABSENT_S = -1e9
 _ROUNDING_S = 1e-5
 """A sphere that is there from a moment on is there at this moment in 32 bits, too."""
 
-(
-    T_ATTACK, CROP_START, CROP_END, EVALUATED, SPHERE_COUNT,
-    BEGIN, END, FIRST_FRAME, FRAME_COUNT, MARGIN, SAG, SPEED,
-) = range(12)  # fmt: skip
-"""Columns of :attr:`Shots.numbers`."""
 
-_NUMBERS = 12
+class AttackColumn(IntEnum):
+    """Columns of :attr:`AttackBatch.numbers` before those of the spheres."""
+
+    T_ATTACK = 0
+    """The middle of the crop, s."""
+    CROP_START = 1
+    CROP_END = 2
+    EVALUATED = 3
+    """How many evenly spaced times are evaluated over the crop."""
+    SPHERE_COUNT = 4
+    BEGIN = 5
+    """When what counts of the attack begins, s."""
+    END = 6
+    FIRST_FRAME = 7
+    """Of the written motion."""
+    FRAME_COUNT = 8
+    MARGIN = 9
+    """How near to the body's reach a sphere has to come to be looked at, m."""
+    SAG = 10
+    """How far spheres stray from straight lines between two frames, m."""
+    SPEED = 11
+    """The largest of the spheres, m/s."""
+
+
+_NUMBERS = len(AttackColumn)
 """Columns before those of the spheres."""
 
 
 @register()
 @dataclass(frozen=True, kw_only=True)
-class Shots:
+class AttackBatch:
     """Some attacks, each in the planar frame of its node; time counts from now.
 
     Between two frames centres move straight; the motion is compared with them at frames.
@@ -49,12 +69,8 @@ class Shots:
     Attributes:
         frames: x, y and z of every sphere at the frames of the written motion from the first that
             counts, m; before the attack begins and after it ends it is held. [A, N, 3·I]
-        numbers: seconds of the attack (the middle of its crop), beginning and end of the crop; how
-            many evenly spaced times are evaluated over it; how many spheres there are; beginning
-            and end of what counts of the attack, the first frame of the written motion and how many
-            it lasts; how near to the body's reach a sphere has to come to be looked at, m; how far
-            spheres stray from straight lines between two frames, m; their largest speed, m/s. Then
-            all that ``spheres`` has. [A, 12+3·I]
+        numbers: what is known of each attack, by :class:`AttackColumn`; then all that ``spheres``
+            has. [A, 12+3·I]
     """
 
     frames: Float[Array, "A N D"]
@@ -70,20 +86,20 @@ class Shots:
         """Spheres with their padding."""
         return self.frames.shape[2] // 3
 
-    def number(self, column: int) -> Float[Array, " A"]:
+    def number(self, column: AttackColumn) -> Float[Array, " A"]:
         """One of the numbers of all attacks."""
         return self.numbers[:, column]
 
-    def of(self, owner: Int[Array, " C"]) -> Shots:
-        """The attack of each of some candidates."""
-        return Shots(frames=self.frames[owner], numbers=self.numbers[owner])
+    def of(self, owner: Int[Array, " C"]) -> AttackBatch:
+        """The attack of each candidate, by number."""
+        return AttackBatch(frames=self.frames[owner], numbers=self.numbers[owner])
 
 
-def empty_shot(frames: int, spheres: int) -> Shots:
+def empty_attack_batch(frames: int, spheres: int) -> AttackBatch:
     """One attack that is nowhere, of a size that calls are compiled for."""
     numbers = np.full((1, _NUMBERS + 3 * spheres), _ABSENT_S, np.float32)
     numbers[0, :_NUMBERS] = 0
-    return Shots(frames=np.zeros((1, frames, 3 * spheres), np.float32), numbers=numbers)
+    return AttackBatch(frames=np.zeros((1, frames, 3 * spheres), np.float32), numbers=numbers)
 
 
 def frames_of(attack: Attack) -> tuple[int, int]:
@@ -92,9 +108,9 @@ def frames_of(attack: Attack) -> tuple[int, int]:
     return first, max(math.ceil(attack.end * EXPORT_RATE), first + 1)
 
 
-def make_shot(
+def make_attack_batch(
     attack: Attack, crop: Crop, config: AvoidanceConfig, reach: float, *, long: bool = False
-) -> Shots:
+) -> AttackBatch:
     """One attack, padded to one of few sizes.
 
     Args:
@@ -107,9 +123,9 @@ def make_shot(
     first, last = frames_of(attack)
     step = 1 / EXPORT_RATE
     count, spheres = last - first + 1, len(attack.radii)
-    slots = bucket_size(spheres, SPHERES, 8)
+    slots = bucket_size(spheres, SPHERE_BUCKET, 8)
     times = np.arange(first, last + 1) * step
-    size = bucket_size(max(count, FRAMES + 1 if long else 0), FRAMES, 32)
+    size = bucket_size(max(count, FRAME_BUCKET + 1 if long else 0), FRAME_BUCKET, 32)
     frames = np.empty((1, size, 3 * slots), np.float32)
     frames[0, :, 3 * spheres :] = 0
     if attack.starts is None and attack.stops is None:
@@ -138,7 +154,7 @@ def make_shot(
     life[0, :spheres] = attack.radii
     life[1, :spheres] = attack.start if attack.starts is None else attack.starts
     life[2, :spheres] = attack.end if attack.stops is None else attack.stops
-    return Shots(frames=frames, numbers=numbers)
+    return AttackBatch(frames=frames, numbers=numbers)
 
 
 def evaluated(attack: Attack, crop: Crop, config: AvoidanceConfig) -> int:
@@ -211,55 +227,65 @@ def _kinks(attack: Attack, step: float) -> float:
     return float((total[upto] - total[:-1]).max()) * 2 / step
 
 
-def places(shots: Shots, times: Float[Array, "T A"]) -> Float[Array, "T A D"]:
+def centres_at(attack_batch: AttackBatch, times: Float[Array, "T A"]) -> Float[Array, "T A D"]:
     """Where the spheres of each attack are at times of its own, m; D is x, y, z of each."""
-    _, size, _ = shots.frames.shape
-    begin, end, first = (shots.number(k)[None] for k in (BEGIN, END, FIRST_FRAME))
+    _, size, _ = attack_batch.frames.shape
+    begin, end, first = (
+        attack_batch.number(k)[None]
+        for k in (AttackColumn.BEGIN, AttackColumn.END, AttackColumn.FIRST_FRAME)
+    )
     times = jnp.clip(times, begin, end)
     low = jnp.clip(jnp.floor(times * EXPORT_RATE - first), 0.0, size - 2)
     # The first and last frame stand for the moments at which the attack begins and ends.
     before = jnp.clip((first + low) / EXPORT_RATE, begin, end)
     after = jnp.clip((first + low + 1) / EXPORT_RATE, begin, end)
     share = jnp.clip((times - before) / jnp.maximum(after - before, 1e-9), 0.0, 1.0)[..., None]
-    row = _rows(shots, low.astype(jnp.int32))
-    frames = shots.frames.reshape(-1, shots.frames.shape[2])
+    row = _rows(attack_batch, low.astype(jnp.int32))
+    frames = attack_batch.frames.reshape(-1, attack_batch.frames.shape[2])
     return frames[row] * (1 - share) + frames[row + 1] * share
 
 
-def places_at_frames(shots: Shots, index: Int[Array, "W A"]) -> Float[Array, "W A D"]:
-    """The same at frames of the written motion, counted from each attack's first."""
-    frames = shots.frames.reshape(-1, shots.frames.shape[2])
-    return frames[_rows(shots, jnp.clip(index, 0, shots.frames.shape[1] - 1))]
+def centres_at_frames(attack_batch: AttackBatch, index: Int[Array, "W A"]) -> Float[Array, "W A D"]:
+    """Where the spheres are at frames of the written motion, counted from each attack's first."""
+    frames = attack_batch.frames.reshape(-1, attack_batch.frames.shape[2])
+    return frames[_rows(attack_batch, jnp.clip(index, 0, attack_batch.frames.shape[1] - 1))]
 
 
-def _rows(shots: Shots, index: Int[Array, "T A"]) -> Int[Array, "T A"]:
+def _rows(attack_batch: AttackBatch, index: Int[Array, "T A"]) -> Int[Array, "T A"]:
     """Rows of the frames of all attacks, one after the other."""
-    attacks, size, _ = shots.frames.shape
+    attacks, size, _ = attack_batch.frames.shape
     return index + (jnp.arange(attacks, dtype=jnp.int32) * size)[None]
 
 
-def presence(shots: Shots, times: Float[Array, "T A"]) -> Bool[Array, "T A I"]:
+def active_at(attack_batch: AttackBatch, times: Float[Array, "T A"]) -> Bool[Array, "T A I"]:
     """Whether each sphere of each attack is there."""
     slack = _ROUNDING_S + 1e-6 * jnp.abs(times[..., None])
-    after = times[..., None] >= shots.spheres[None, :, 1] - slack
-    return after & (times[..., None] <= shots.spheres[None, :, 2] + slack)
+    after = times[..., None] >= attack_batch.spheres[None, :, 1] - slack
+    return after & (times[..., None] <= attack_batch.spheres[None, :, 2] + slack)
 
 
-def lives(shots: Shots, times: Float[Array, "T A"]) -> Bool[Array, "V A I"]:
+def lives_between(attack_batch: AttackBatch, times: Float[Array, "T A"]) -> Bool[Array, "V A I"]:
     """Whether each sphere of each attack is there at any moment between two times."""
     slack = _ROUNDING_S + 1e-6 * jnp.abs(times[..., None])
-    born, gone = shots.spheres[None, :, 1], shots.spheres[None, :, 2]
+    born, gone = attack_batch.spheres[None, :, 1], attack_batch.spheres[None, :, 2]
     return (times[1:, ..., None] >= born - slack[1:]) & (times[:-1, ..., None] <= gone + slack[:-1])
 
 
-def evaluation_times(shots: Shots, index: Int[Array, " T"]) -> Float[Array, "T A"]:
+def evaluation_times(attack_batch: AttackBatch, index: Int[Array, " T"]) -> Float[Array, "T A"]:
     """The evaluated times of each attack by number; beyond the last it is repeated."""
-    start, end, count = (shots.number(k)[None] for k in (CROP_START, CROP_END, EVALUATED))
+    start, end, count = (
+        attack_batch.number(k)[None]
+        for k in (AttackColumn.CROP_START, AttackColumn.CROP_END, AttackColumn.EVALUATED)
+    )
     share = jnp.minimum(index.astype(jnp.float32)[:, None] / (count - 1), 1.0)
     return start + share * (end - start)
 
 
-def frame_times(shots: Shots, index: Int[Array, "N A"]) -> Float[Array, "N A"]:
+def frame_times(attack_batch: AttackBatch, index: Int[Array, "N A"]) -> Float[Array, "N A"]:
     """The times of frames of the written motion, counted from each attack's first."""
-    frame = shots.number(FIRST_FRAME)[None] + index.astype(jnp.float32)
-    return jnp.clip(frame / EXPORT_RATE, shots.number(BEGIN)[None], shots.number(END)[None])
+    frame = attack_batch.number(AttackColumn.FIRST_FRAME)[None] + index.astype(jnp.float32)
+    return jnp.clip(
+        frame / EXPORT_RATE,
+        attack_batch.number(AttackColumn.BEGIN)[None],
+        attack_batch.number(AttackColumn.END)[None],
+    )

@@ -14,22 +14,22 @@ from mgjax.core.xla.padding import bucket_size
 from mgjax.core.xla.pytree import register
 from mgjax.graph.types import NO_EDGE
 
-TILE = 64
+CANDIDATE_TILE = 64
 """Candidates judged together: their volumes then stay in the cache."""
 
-SIZES = (8, 32, 128, 512, 4096)
+CANDIDATE_BUCKETS = (8, 32, 128, 512, 4096)
 """Numbers of candidates that a call is compiled for; then four times as many, …"""
 
-LONG_SIZES = (128, 4096)
+LONG_CANDIDATE_BUCKETS = (128, 4096)
 """The same for what is long, which comes seldom."""
 
-LENGTH = 40
+EDGE_BUCKET = 40
 """Edges of a walk that a call is compiled for, and four times as many, …"""
 
 
 @register("shared")
 @dataclass(frozen=True, kw_only=True)
-class Walks:
+class CandidateBatch:
     """Candidates as compiled code reads them.
 
     Attributes:
@@ -68,25 +68,25 @@ class Walks:
             return jnp.broadcast_to(values, self.length.shape)
         return values[self.owner]
 
-    def rows(self, chosen: Int[Array, " K"]) -> Walks:
+    def rows(self, chosen: Int[Array, " K"]) -> CandidateBatch:
         """Some of them."""
         return replace(self, table=self.table[:, chosen])
 
 
-def empty_walks(longest: int, count: int, *, shared: bool) -> Walks:
+def empty_candidate_batch(longest: int, count: int, *, shared: bool) -> CandidateBatch:
     """Room for walks, all of them padding."""
     table = np.full((longest + 3, count), NO_EDGE, np.int32)
     table[longest:] = 0
-    return Walks(table=table, shared=shared)
+    return CandidateBatch(table=table, shared=shared)
 
 
-def pad_candidates(candidates: Candidates, *, long: bool = False) -> Walks:
+def pad_candidates(candidates: Candidates, *, long: bool = False) -> CandidateBatch:
     """Candidates padded to few sizes; to larger ones if their attack is ``long``."""
     count, longest = len(candidates.length), int(candidates.length.max(initial=1))
-    sizes = LONG_SIZES if long else SIZES
+    sizes = LONG_CANDIDATE_BUCKETS if long else CANDIDATE_BUCKETS
     size = next((s for s in sizes if count <= s), 0) or bucket_size(count, sizes[-1], 4)
-    edges = bucket_size(max(longest, LENGTH + 1 if long else 0), LENGTH, 4)
-    walks = empty_walks(edges, size, shared=True)
+    edges = bucket_size(max(longest, EDGE_BUCKET + 1 if long else 0), EDGE_BUCKET, 4)
+    walks = empty_candidate_batch(edges, size, shared=True)
     table = walks.table
     table[:longest, :count] = candidates.edges[:, :longest].T
     table[-3, :count], table[-2, :count] = candidates.length, candidates.part

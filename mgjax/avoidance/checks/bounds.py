@@ -16,17 +16,13 @@ import jax.numpy as jnp
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.batch import (
-    FRAME_COUNT,
-    MARGIN,
-    SAG,
-    SPEED,
-    SPHERE_COUNT,
-    Shots,
+    AttackBatch,
+    AttackColumn,
+    active_at,
+    centres_at,
+    centres_at_frames,
     frame_times,
-    lives,
-    places,
-    places_at_frames,
-    presence,
+    lives_between,
 )
 from mgjax.avoidance.body.device_tables import FOLLOWING, DeviceTables, LinkColumn
 from mgjax.avoidance.body.volumes import (
@@ -39,7 +35,7 @@ from mgjax.avoidance.body.volumes import (
     root_at,
     spheres_at,
 )
-from mgjax.avoidance.candidates.batch import Walks
+from mgjax.avoidance.candidates.batch import CandidateBatch
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE, FAR
 from mgjax.core.arrays import Array
 from mgjax.core.xla.materialise import stage
@@ -115,9 +111,9 @@ class Bounds:
 
 def clearance_bounds(
     tables: DeviceTables,
-    walks: Walks,
+    walks: CandidateBatch,
     scales: Float[Array, "L K"],
-    shots: Shots,
+    attack_batch: AttackBatch,
     *,
     frame_rate: float,
 ) -> Bounds:
@@ -127,10 +123,10 @@ def clearance_bounds(
         tables: of the graph.
         walks: the walks; a length of 0 is padding.
         scales: factor on the duration of each edge.
-        shots: the attacks.
+        attack_batch: the attacks.
         frame_rate: of the graph.
     """
-    own = shots if walks.owner is None else shots.of(walks.owner)
+    own = attack_batch if walks.owner is None else attack_batch.of(walks.owner)
     edges, scales = stage(tables.opaque_true, _continued, tables.edge_links, walks, scales)
     placed = stage(
         tables.opaque_true,
@@ -149,7 +145,7 @@ def clearance_bounds(
 
 
 def _continued(
-    links: Int[Array, "E D"], walks: Walks, scales: Float[Array, "L K"]
+    links: Int[Array, "E D"], walks: CandidateBatch, scales: Float[Array, "L K"]
 ) -> tuple[Array, Array]:
     """The walks with what follows them appended, at natural speed."""
     edges, length = walks.edges, walks.length
@@ -165,7 +161,7 @@ def _continued(
 
 
 def _near(
-    tables: DeviceTables, placed: PlacedEdges, shots: Shots
+    tables: DeviceTables, placed: PlacedEdges, attack_batch: AttackBatch
 ) -> tuple[Int[Array, " K"], Int[Array, " K"]]:
     """The first and last frame at which an attack may reach each walk; the last is −1 if never.
 
@@ -173,25 +169,27 @@ def _near(
     can move in two. Of several each frame is looked at, since each comes and goes for itself.
     """
     lanes = placed.count.shape[0]
-    stride = STRIDE if shots.sphere_slots == 1 else 1
-    frames = shots.number(FRAME_COUNT)[None].astype(jnp.int32)
+    stride = STRIDE if attack_batch.sphere_slots == 1 else 1
+    frames = attack_batch.number(AttackColumn.FRAME_COUNT)[None].astype(jnp.int32)
     slowest = jnp.min(placed.rows[..., PlacedColumn.SCALE], axis=0)
-    speed = shots.number(SPEED) + tables.root_speed / slowest
+    speed = attack_batch.number(AttackColumn.SPEED) + tables.root_speed / slowest
     away = (stride // 2) / EXPORT_RATE * speed + (SEAM_M if stride > 1 else 0.0)
-    reach = (shots.number(MARGIN) + away)[None, :, None] + shots.spheres[None, :, 0]
-    born, gone = shots.spheres[None, :, 1], shots.spheres[None, :, 2]
+    reach = (attack_batch.number(AttackColumn.MARGIN) + away)[None, :, None] + attack_batch.spheres[
+        None, :, 0
+    ]
+    born, gone = attack_batch.spheres[None, :, 1], attack_batch.spheres[None, :, 2]
 
     def chunk(k: Array, known: tuple[Array, Array]) -> tuple[Array, Array]:
         index = (k * CHUNK_FRAMES + jnp.arange(CHUNK_FRAMES, dtype=jnp.int32))[:, None] * stride
         index = jnp.minimum(jnp.broadcast_to(index, (CHUNK_FRAMES, lanes)), frames - 1)
-        times = frame_times(shots, index)
+        times = frame_times(attack_batch, index)
         x, y, z = root_at(tables, locate(tables, placed, times))
         span = 1.01 * stride / EXPORT_RATE
         alive = (times[..., None] >= born - span) & (times[..., None] <= gone + span)
         if stride > 1:
-            centres = places(shots, jnp.clip(times, born[..., 0], gone[..., 0]))
+            centres = centres_at(attack_batch, jnp.clip(times, born[..., 0], gone[..., 0]))
         else:
-            centres = places_at_frames(shots, index)
+            centres = centres_at_frames(attack_batch, index)
         dx, dy, dz = (centres[..., k::3] - axis[..., None] for k, axis in enumerate((x, y, z)))
         gap = jnp.sqrt(dx * dx + dy * dy + dz * dz)
         # Nothing is certain after the end of a walk, wherever the attack is then.
@@ -212,7 +210,7 @@ def _near(
 def _over_frames(
     tables: DeviceTables,
     placed: PlacedEdges,
-    shots: Shots,
+    attack_batch: AttackBatch,
     first: Int[Array, " K"],
     last: Int[Array, " K"],
     quick: Array,
@@ -221,20 +219,20 @@ def _over_frames(
 
     ``CHUNK_FRAMES`` frames at a time; each chunk begins with the last frame of the chunk before.
     """
-    sag = shots.number(SAG)[None]
+    sag = attack_batch.number(AttackColumn.SAG)[None]
 
     def chunk(k: Array, known: tuple[Array, ...]) -> tuple[Array, ...]:
         number = jnp.arange(CHUNK_FRAMES, dtype=jnp.int32)[:, None]
         index = first[None] + k * (CHUNK_FRAMES - 1) + number
         inside = index[1:] <= last[None]
         index = jnp.minimum(index, last[None])
-        times = frame_times(shots, index)
+        times = frame_times(attack_batch, index)
         keys = locate(tables, placed, times)
-        centres = places_at_frames(shots, index)
+        centres = centres_at_frames(attack_batch, index)
         body = spheres_at(tables, keys)
         gap, surely = (
             jnp.where(inside, distance - sag, FAR)
-            for distance in _gaps(tables, body, shots, times, centres)
+            for distance in _gaps(tables, body, attack_batch, times, centres)
         )
         chord_error = chord_errors_at(tables, keys)
         doubt = _ARCS * jnp.maximum(chord_error[1:], chord_error[:-1]) + ROUNDING_M
@@ -260,16 +258,16 @@ def _over_frames(
 def _gaps(
     tables: DeviceTables,
     body: Float[Array, "3 W K S"],
-    shots: Shots,
+    attack_batch: AttackBatch,
     times: Float[Array, "W K"],
     centres: Float[Array, "W K D"],
 ) -> tuple[Float[Array, "V K"], Float[Array, "V K"]]:
     """Least swept distance in each interval of the times: of spheres that are there at any moment
     of it, and of those that are there throughout; ``FAR`` where none is."""
-    schunks = shots.sphere_slots
-    present = presence(shots, times)
-    throughout, partly = present[1:] & present[:-1], lives(shots, times)
-    each = jnp.moveaxis(centres.reshape(*centres.shape[:2], schunks, 3), (2, 3), (0, 1))
+    slots = attack_batch.sphere_slots
+    present = active_at(attack_batch, times)
+    throughout, partly = present[1:] & present[:-1], lives_between(attack_batch, times)
+    each = jnp.moveaxis(centres.reshape(*centres.shape[:2], slots, 3), (2, 3), (0, 1))
 
     def one(sphere: Array, radius: Array) -> Array:
         relative = [sphere[k][..., None] - body[k] for k in range(3)]
@@ -284,8 +282,8 @@ def _gaps(
     def masked(near: Array, partly: Array, throughout: Array) -> tuple[Array, Array]:
         return jnp.where(partly, near, FAR), jnp.where(throughout, near, FAR)
 
-    radii = shots.spheres[:, 0]
-    if schunks == 1:
+    radii = attack_batch.spheres[:, 0]
+    if slots == 1:
         return masked(one(each[0], radii[:, 0]), partly[..., 0], throughout[..., 0])
 
     def step(k: Array, least: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -293,6 +291,6 @@ def _gaps(
         own = masked(near, partly[..., k], throughout[..., k])
         return jnp.minimum(least[0], own[0]), jnp.minimum(least[1], own[1])
 
-    count = jnp.max(shots.number(SPHERE_COUNT)).astype(jnp.int32)
+    count = jnp.max(attack_batch.number(AttackColumn.SPHERE_COUNT)).astype(jnp.int32)
     far = jnp.full((times.shape[0] - 1, times.shape[1]), FAR, jnp.float32)
     return jax.lax.fori_loop(0, count, step, (far, far))

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import SPHERES
+from mgjax.avoidance.attacks.batch import SPHERE_BUCKET
 from mgjax.avoidance.body.poses import GraphPoses, PosedGraph, placed_poses, sphere_places
 from mgjax.avoidance.rates import CHECK_RATE, FAR
 from mgjax.core import planar, quaternion
@@ -116,7 +116,7 @@ def clearance_between(
     moments = np.clip(moments, max(begin, attack.start), end)
     centres, absent = attack.at(moments), ~attack.lives(moments)
     absent[2 * count - 2 :] = True
-    slots = bucket_size(len(attack.radii), SPHERES, 8)
+    slots = bucket_size(len(attack.radii), SPHERE_BUCKET, 8)
     nearest = nearest_of(
         posed.poses,
         poses,

@@ -18,7 +18,7 @@ from mgjax.graph.walk import Walk, sample_walk
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Trace:
+class SphereTrajectory:
     """Body spheres over time, from the forward kinematics of a walk."""
 
     times: Float[np.ndarray, " T"]
@@ -41,14 +41,14 @@ def walk_motion(
     return replace(sample_walk(graph, captured, warp.at(times)), frame_rate=EXPORT_RATE)
 
 
-def trace_motion(
+def sphere_trajectory(
     graph: MotionGraph,
     spheres: BodySpheres,
     motion: Motion,
     *,
     start: float = 0.0,
     stop: float = float("inf"),
-) -> Trace:
+) -> SphereTrajectory:
     """Sphere centres of a motion, at the moments of the check that cover ``start … stop`` (s)."""
     factor = CHECK_RATE / motion.frame_rate
     last = round((motion.num_frames - 1) * factor)
@@ -57,11 +57,13 @@ def trace_motion(
     index = np.arange(first, last + 1)
     fine = sample(motion, index / factor)
     positions, _ = forward(graph.skeleton, fine.root_translation, fine.local_rotations)
-    return Trace(times=index / CHECK_RATE, centres=np.asarray(sphere_centres(spheres, positions)))
+    return SphereTrajectory(
+        times=index / CHECK_RATE, centres=np.asarray(sphere_centres(spheres, positions))
+    )
 
 
 def clearance(
-    attack: Attack, trace: Trace, radii: Float[np.ndarray, " S"]
+    attack: Attack, trace: SphereTrajectory, radii: Float[np.ndarray, " S"]
 ) -> tuple[Float[np.ndarray, " T1"], float]:
     """Least distance of attack and body over each interval of the trace, and over all of it, m.
 

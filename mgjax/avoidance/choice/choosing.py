@@ -16,7 +16,7 @@ from mgjax.avoidance.choice.results import Choice, Dropped, Status
 from mgjax.avoidance.choice.search import Query, on_device, search_input, search_one
 from mgjax.avoidance.choice.start import validate_start
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
-from mgjax.avoidance.culling.candidates import without_culled
+from mgjax.avoidance.culling.cull import without_culled
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.graph.types import MotionGraph
@@ -109,7 +109,7 @@ def best_of(prepared: Prepared, query: Query, config: AvoidanceConfig) -> Decisi
     result = search_one(
         prepared.device,
         given.walks,
-        given.shots,
+        given.attack_batch,
         on_device(config.energy),
         frame_rate=prepared.graph.frame_rate,
         limit_scale=config.limit_scale,

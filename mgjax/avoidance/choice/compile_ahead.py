@@ -6,9 +6,14 @@ import math
 
 import numpy as np
 
-from mgjax.avoidance.attacks.batch import FRAMES, SPHERES, empty_shot
+from mgjax.avoidance.attacks.batch import FRAME_BUCKET, SPHERE_BUCKET, empty_attack_batch
 from mgjax.avoidance.body.poses import PosedGraph
-from mgjax.avoidance.candidates.batch import LENGTH, LONG_SIZES, SIZES, empty_walks
+from mgjax.avoidance.candidates.batch import (
+    CANDIDATE_BUCKETS,
+    EDGE_BUCKET,
+    LONG_CANDIDATE_BUCKETS,
+    empty_candidate_batch,
+)
 from mgjax.avoidance.checks.bounds import MORE_LANES
 from mgjax.avoidance.checks.fast import CHECK_FRAMES, Poses, nearest_of
 from mgjax.avoidance.choice.search import bound, on_device, search_one
@@ -44,20 +49,23 @@ def warm_up(
     prepared = prepared_for(graph, config)
     device, rate = prepared.device, prepared.graph.frame_rate
     energy = on_device(config.energy)
-    slots = _sizes(SPHERES, 8, spheres)
+    slots = _sizes(SPHERE_BUCKET, 8, spheres)
     frames = math.ceil(horizon * EXPORT_RATE) + 1
     programs = 0
-    shapes = ((LENGTH, FRAMES, SIZES), (4 * LENGTH, 32 * FRAMES, LONG_SIZES))
+    shapes = (
+        (EDGE_BUCKET, FRAME_BUCKET, CANDIDATE_BUCKETS),
+        (4 * EDGE_BUCKET, 32 * FRAME_BUCKET, LONG_CANDIDATE_BUCKETS),
+    )
     for length, known, sizes in shapes:
-        for shot in (empty_shot(known, slot) for slot in slots):
+        for attack_batch in (empty_attack_batch(known, slot) for slot in slots):
             for size in (s for k, s in enumerate(sizes) if not k or sizes[k - 1] < config.capacity):
-                walks = empty_walks(length, size, shared=True)
+                walks = empty_candidate_batch(length, size, shared=True)
                 limit = config.limit_scale
-                search_one(device, walks, shot, energy, frame_rate=rate, limit_scale=limit)
+                search_one(device, walks, attack_batch, energy, frame_rate=rate, limit_scale=limit)
                 programs += 1
-            lanes = empty_walks(length, MORE_LANES, shared=True)
+            lanes = empty_candidate_batch(length, MORE_LANES, shared=True)
             scales = np.ones((length, MORE_LANES), np.float32)
-            bound(device, lanes, scales, shot, frame_rate=rate)
+            bound(device, lanes, scales, attack_batch, frame_rate=rate)
             programs += 1
     for count in _sizes(CHECK_FRAMES, 4, frames):
         for slot in slots:

@@ -10,10 +10,10 @@ import jax.numpy as jnp
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import FRAMES, Shots, frames_of, make_shot
+from mgjax.avoidance.attacks.batch import FRAME_BUCKET, AttackBatch, frames_of, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.body.device_tables import DeviceTables
-from mgjax.avoidance.candidates.batch import LENGTH, Walks, pad_candidates
+from mgjax.avoidance.candidates.batch import EDGE_BUCKET, CandidateBatch, pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.checks.bounds import FIRST_LANES, Bounds, clearance_bounds
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
@@ -54,8 +54,8 @@ class SearchResult:
 
 def search(
     tables: DeviceTables,
-    walks: Walks,
-    shots: Shots,
+    walks: CandidateBatch,
+    attack_batch: AttackBatch,
     config: EnergyConfig,
     *,
     frame_rate: float,
@@ -66,23 +66,23 @@ def search(
     Args:
         tables: of the graph.
         walks: the candidates, padded.
-        shots: the attack.
+        attack_batch: the attack.
         config: forms, scales and weights of the energies.
         frame_rate: of the graph.
         limit_scale: rejects time scales outside [1/E_time, E_time].
     """
     judged = judge_all(
-        tables, walks, shots, config, half_frame=0.5 / frame_rate, limit_scale=limit_scale
+        tables, walks, attack_batch, config, half_frame=0.5 / frame_rate, limit_scale=limit_scale
     )
     order = ranking(judged)
     best = order[: min(FIRST_LANES, order.shape[0])]
-    return _result(tables, walks, shots, judged, order, best, frame_rate)
+    return _result(tables, walks, attack_batch, judged, order, best, frame_rate)
 
 
 def _result(
     tables: DeviceTables,
-    walks: Walks,
-    shots: Shots,
+    walks: CandidateBatch,
+    attack_batch: AttackBatch,
     judged: Judged,
     order: Int[Array, " C"],
     best: Int[Array, " K"],
@@ -101,15 +101,15 @@ def _result(
         scales=judged.timing.scales,
         order=order,
         bounds=clearance_bounds(
-            tables, lanes, judged.timing.scales[:, best], shots, frame_rate=frame_rate
+            tables, lanes, judged.timing.scales[:, best], attack_batch, frame_rate=frame_rate
         ),
     )
 
 
 def search_several(
     tables: DeviceTables,
-    walks: Walks,
-    shots: Shots,
+    walks: CandidateBatch,
+    attack_batch: AttackBatch,
     first: Int[Array, " A"],
     config: EnergyConfig,
     *,
@@ -121,7 +121,7 @@ def search_several(
     Args:
         tables: of the graph.
         walks: with the attack that each is meant for, in ascending order; padding goes to the last.
-        shots: the attacks.
+        attack_batch: the attacks.
         first: number of the first candidate of each attack.
         config: weights and scales.
         frame_rate, limit_scale: see :func:`search`.
@@ -131,11 +131,11 @@ def search_several(
         19 of 20 attacks.
     """
     judged = judge_all(
-        tables, walks, shots, config, half_frame=0.5 / frame_rate, limit_scale=limit_scale
+        tables, walks, attack_batch, config, half_frame=0.5 / frame_rate, limit_scale=limit_scale
     )
     order = ranking(judged, walks.owner)
     best = order[jnp.minimum(first, order.shape[0] - 1)]
-    return _result(tables, walks, shots, judged, order, best, frame_rate)
+    return _result(tables, walks, attack_batch, judged, order, best, frame_rate)
 
 
 _STATIC = ("frame_rate", "limit_scale")
@@ -179,8 +179,8 @@ class Query:
 class SearchInput:
     """A query as compiled code reads it: candidates and attack padded to compiled shapes."""
 
-    walks: Walks
-    shots: Shots
+    walks: CandidateBatch
+    attack_batch: AttackBatch
 
 
 def search_input(query: Query, config: AvoidanceConfig, reach: float) -> SearchInput:
@@ -188,11 +188,11 @@ def search_input(query: Query, config: AvoidanceConfig, reach: float) -> SearchI
     long = is_long(query.candidates, query.attack)
     return SearchInput(
         walks=pad_candidates(query.candidates, long=long),
-        shots=make_shot(query.attack, query.crop, config, reach, long=long),
+        attack_batch=make_attack_batch(query.attack, query.crop, config, reach, long=long),
     )
 
 
 def is_long(candidates: Candidates, attack: Attack) -> bool:
     """Whether walks have so many edges, or an attack so many frames, that both are padded more."""
     first, last = frames_of(attack)
-    return int(candidates.length.max(initial=1)) > LENGTH or last - first + 1 > FRAMES
+    return int(candidates.length.max(initial=1)) > EDGE_BUCKET or last - first + 1 > FRAME_BUCKET

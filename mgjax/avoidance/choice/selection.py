@@ -8,7 +8,12 @@ from typing import Literal
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.checks.written import Trace, clearance, trace_motion, walk_motion
+from mgjax.avoidance.checks.written import (
+    SphereTrajectory,
+    clearance,
+    sphere_trajectory,
+    walk_motion,
+)
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import extend
 from mgjax.avoidance.choice.results import Choice, Status
@@ -45,7 +50,7 @@ class Selection(Choice):
     warp: Literal["smooth", "linear"]
     timing: TimeWarp
     motion: Motion
-    trace: Trace
+    trace: SphereTrajectory
 
 
 def select(
@@ -126,7 +131,7 @@ def _write(
         short = float(timing.at(np.array([until]))[0] - natural_starts(graph, walk)[-1])
         walk = extend(graph, walk, float(walk.starts(graph)[-1]) + short)
     motion = walk_motion(graph, walk, until, timing if form == "smooth" else None)
-    trace = trace_motion(graph, spheres, motion)
+    trace = sphere_trajectory(graph, spheres, motion)
     exact = None if choice.part is None else clearance(attack, trace, spheres.radii)[1]
     status = choice.status
     if exact is not None:

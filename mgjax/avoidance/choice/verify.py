@@ -147,7 +147,7 @@ def bounds_of(
             prepared.device,
             given.walks.rows(rows),
             scales[:, rows],
-            given.shots,
+            given.attack_batch,
             frame_rate=prepared.graph.frame_rate,
         )
         count = len(subset)

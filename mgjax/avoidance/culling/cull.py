@@ -6,6 +6,7 @@ keep = cull(slices, candidates, scales, attack, crop, form="binned", threshold=3
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import jax
@@ -14,17 +15,21 @@ from jaxtyping import Bool, Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop
+from mgjax.avoidance.body.device_tables import DeviceTables, PartColumn
+from mgjax.avoidance.body.volumes import read_edges
+from mgjax.avoidance.candidates.batch import CandidateBatch, pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates
-from mgjax.avoidance.culling.overlap import Pixels, overlap
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.culling.overlap import overlap_pixels
 from mgjax.avoidance.culling.pictures import Form, Slices
-from mgjax.avoidance.culling.rasterise import Drawn, draw_attack
-from mgjax.core.xla.padding import bucket_size, pad_axis
-from mgjax.graph.types import NO_EDGE
+from mgjax.avoidance.culling.rasterise import draw_attack
+from mgjax.avoidance.timing.time_scale import OK, UNLIMITED, Timing, time_scale
+from mgjax.core.arrays import Array
+from mgjax.core.xla.padding import pad_axis
 
-TILE = 512
-"""Most candidates in one call; calls are compiled for 32, 128 and this."""
-
-_overlap = partial(jax.jit, static_argnames=("form", "span"))(overlap)
+PIXELS: dict[Form, int] = {"paper": 96, "binned": 32}
+"""Most pixels in which a candidate that is kept overlaps the attack. Where false culls and false
+keeps of ``experiments/avoidance/culling.py`` balance."""
 
 
 def cull(
@@ -57,69 +62,82 @@ def cull(
     return overlap_pixels(slices, candidates, scales, drawn, crop, form=form) <= threshold
 
 
-def overlap_pixels(
+def without_culled(
     slices: Slices,
+    device: DeviceTables,
     candidates: Candidates,
-    scales: Float[np.ndarray, "C L"],
-    drawn: Drawn,
+    attack: Attack,
     crop: Crop,
+    config: AvoidanceConfig,
     *,
-    form: Form,
-) -> Int[np.ndarray, " C"]:
-    """Pixels in which each candidate overlaps a drawn attack; shapes are padded to a few sizes."""
-    count, longest = candidates.edges.shape
-    pixels, span = padded_pixels(drawn, crop, form), 1
-    if form == "paper":
-        span = bucket_size(_most_played(slices, candidates, scales, crop), 4)
-    tile, width = min(bucket_size(count, 32, 4), TILE), bucket_size(longest, 16)
-    found: list[np.ndarray] = [np.zeros(0, np.int32)]
-    for first in range(0, count, tile):
-        last = min(first + tile, count)
-        # Padded by hand, as np.pad takes longer than the kernel for few candidates.
-        edges = np.full((tile, width), NO_EDGE, np.int32)
-        length, played = np.zeros(tile, np.int32), np.ones((tile, width), np.float32)
-        edges[: last - first, :longest] = candidates.edges[first:last]
-        length[: last - first] = candidates.length[first:last]
-        played[: last - first, :longest] = scales[first:last, :longest]
-        counts = _overlap(slices, edges, length, played, pixels, form=form, span=span)
-        found.append(np.asarray(counts)[: last - first])
-    return np.concatenate(found)
+    frame_rate: float,
+) -> tuple[Candidates, int]:
+    """The candidates that are kept, and how many are dropped, by the form that ``config`` names.
 
-
-def padded_pixels(drawn: Drawn, crop: Crop, form: Form) -> Pixels:
-    """A drawn attack as the kernel reads it; for ``"paper"`` each pixel once, whatever its time."""
-    if form == "paper":
-        drawn = _timeless(drawn)
-    counts = np.diff(drawn.first)
-    shape = (bucket_size(len(counts), 1, 4), bucket_size(int(counts.max()), 64))
-    number = np.repeat(np.arange(len(counts)), counts)
-    place = np.arange(len(number)) - drawn.first[number]
-    x, z = np.zeros((2, *shape), np.float32)
-    layers = np.zeros(shape, np.uint16)
-    for into, values in ((x, drawn.x), (z, drawn.z), (layers, drawn.layers)):
-        into[number, place] = values
-    times = pad_axis(drawn.times, shape[0]).astype(np.float32)
-    return Pixels(
-        times, np.asarray(crop.start, np.float32), np.asarray(crop.end, np.float32), x, z, layers
+    Those that cannot be timed are kept: nothing is known of when they would play what.
+    """
+    count = len(candidates.length)
+    if not count or config.culling == "none":
+        return candidates, 0
+    form: Form = config.culling
+    status, scales = timing_of(device, candidates, crop, config, frame_rate=frame_rate)
+    keep = cull(
+        slices,
+        candidates,
+        scales,
+        attack,
+        crop,
+        form=form,
+        threshold=PIXELS[form],
     )
+    keep = keep | (status != OK)
+    kept = replace(
+        candidates,
+        edges=candidates.edges[keep],
+        length=candidates.length[keep],
+        part=candidates.part[keep],
+    )
+    return kept, int(count - keep.sum())
 
 
-def _timeless(drawn: Drawn) -> Drawn:
-    """All bins in one."""
-    pixels, number = np.unique(np.stack([drawn.x, drawn.z], axis=1), axis=0, return_inverse=True)
-    layers = np.zeros(len(pixels), np.uint16)
-    np.bitwise_or.at(layers, number, drawn.layers)
-    x, z = np.ascontiguousarray(pixels.T)
-    return Drawn(times=drawn.times[:1], first=np.array([0, len(pixels)]), x=x, z=z, layers=layers)
+def timing_of(
+    device: DeviceTables,
+    candidates: Candidates,
+    crop: Crop,
+    config: AvoidanceConfig,
+    *,
+    frame_rate: float,
+) -> tuple[Int[np.ndarray, " C"], Float[np.ndarray, "C L"]]:
+    """Status and scales of candidates (eqs 2–3), without their energies."""
+    timing = _timing(
+        device,
+        pad_candidates(candidates),
+        np.asarray(crop.middle, dtype=np.float32),
+        np.asarray(config.energy.E_time if config.limit_scale else UNLIMITED, dtype=np.float32),
+        half_frame=0.5 / frame_rate,
+    )
+    count, width = candidates.edges.shape
+    scales = np.asarray(timing.scales)[:width, :count].T
+    return np.asarray(timing.status)[:count], pad_axis(scales, width, axis=1, value=1)
 
 
-def _most_played(
-    slices: Slices, candidates: Candidates, scales: Float[np.ndarray, "C L"], crop: Crop
-) -> int:
-    """Most edges that one candidate plays during the crop; by rounding perhaps some more."""
-    edges = candidates.edges
-    played = edges != NO_EDGE
-    lasts = np.asarray(slices.seconds)[edges] * scales[:, : edges.shape[1]] * played
-    ends = np.cumsum(lasts, axis=1)
-    played &= (ends > crop.start - 1e-3) & (ends - lasts < crop.end + 1e-3)
-    return int(played.sum(axis=1).max(initial=1))
+@partial(jax.jit, static_argnames="half_frame")
+def _timing(
+    tables: DeviceTables,
+    walks: CandidateBatch,
+    t_attack: Float[Array, ""],
+    limit: Float[Array, ""],
+    *,
+    half_frame: float,
+) -> Timing:
+    read = read_edges(tables, walks.edges)
+    return time_scale(
+        read.seconds,
+        read.slow_down > 0,
+        read.speed_up > 0,
+        walks.length,
+        tables.parts[walks.part, PartColumn.CENTRE],
+        t_attack,
+        half_frame=half_frame,
+        limit=limit,
+    )

@@ -9,17 +9,25 @@ many reads per candidate.
 from __future__ import annotations
 
 import operator
-from functools import reduce
+from functools import partial, reduce
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import lax
 from jaxtyping import Bool, Float, Int, Shaped
 
+from mgjax.avoidance.attacks.crop import Crop
+from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.culling.pictures import BODY_BIN_S, Form, Pictures, Slices
-from mgjax.avoidance.culling.rasterise import PIXEL_M
+from mgjax.avoidance.culling.rasterise import PIXEL_M, Drawn
 from mgjax.core.arrays import Array
+from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.graph.types import NO_EDGE
+
+CULL_TILE = 512
+"""Most candidates in one call; calls are compiled for 32, 128 and this."""
 
 
 class Pixels(NamedTuple):
@@ -40,7 +48,7 @@ class Pixels(NamedTuple):
     layers: Shaped[Array, "B Q"]
 
 
-class Played(NamedTuple):
+class PlayedEdges(NamedTuple):
     """When and where each edge of each candidate begins and ends; frames as (θ, x, z). [C, L]"""
 
     edges: Int[Array, "C L"]
@@ -96,7 +104,7 @@ def overlap(
     return jnp.sum(both.astype(jnp.int32), axis=(1, 2))
 
 
-def play(slices: Slices, edges: Int[Array, "C L"], scales: Float[Array, "C L"]) -> Played:
+def play(slices: Slices, edges: Int[Array, "C L"], scales: Float[Array, "C L"]) -> PlayedEdges:
     """Begins, ends and frames of the edges of walks, from their own beginning."""
     inside = jnp.maximum(edges, 0)
     padding = edges == NO_EDGE
@@ -110,11 +118,11 @@ def play(slices: Slices, edges: Int[Array, "C L"], scales: Float[Array, "C L"]) 
     c, s = jnp.cos(turn), jnp.sin(turn)
     x = (steps[..., 1] * c + steps[..., 2] * s) @ before
     z = (steps[..., 2] * c - steps[..., 1] * s) @ before
-    return Played(edges, scales, begins, begins + lasts, jnp.stack([turn, x, z], axis=-1))
+    return PlayedEdges(edges, scales, begins, begins + lasts, jnp.stack([turn, x, z], axis=-1))
 
 
 def _during(
-    played: Played, length: Array, pixels: Pixels, span: int
+    played: PlayedEdges, length: Array, pixels: Pixels, span: int
 ) -> tuple[Int[Array, "C K"], Bool[Array, "C K"]]:
     """The first ``span`` edges that are played at some time of the crop."""
     first = jnp.sum(played.ends <= pixels.start, axis=1)
@@ -126,7 +134,7 @@ def _during(
 
 
 def _at_times(
-    slices: Slices, played: Played, length: Array, pixels: Pixels
+    slices: Slices, played: PlayedEdges, length: Array, pixels: Pixels
 ) -> tuple[Int[Array, "C B"], Bool[Array, "C B"], Int[Array, "C B"]]:
     """The edge that is played in the middle of each bin, and the body's bin."""
     when = pixels.times[None, :]
@@ -163,3 +171,74 @@ def _read(
     inside = (column >= 0) & (column < width) & (row >= 0) & (row < size[..., 1:])
     at = pictures.first[number][..., None] + row * width + column
     return pictures.words[jnp.where(inside, at, 0)]
+
+
+_overlap = partial(jax.jit, static_argnames=("form", "span"))(overlap)
+
+
+def overlap_pixels(
+    slices: Slices,
+    candidates: Candidates,
+    scales: Float[np.ndarray, "C L"],
+    drawn: Drawn,
+    crop: Crop,
+    *,
+    form: Form,
+) -> Int[np.ndarray, " C"]:
+    """Pixels in which each candidate overlaps a drawn attack; shapes are padded to a few sizes."""
+    count, longest = candidates.edges.shape
+    pixels, span = padded_pixels(drawn, crop, form), 1
+    if form == "paper":
+        span = bucket_size(_most_played(slices, candidates, scales, crop), 4)
+    tile, width = min(bucket_size(count, 32, 4), CULL_TILE), bucket_size(longest, 16)
+    counted: list[np.ndarray] = [np.zeros(0, np.int32)]
+    for first in range(0, count, tile):
+        last = min(first + tile, count)
+        # Padded by hand, as np.pad takes longer than the kernel for few candidates.
+        edges = np.full((tile, width), NO_EDGE, np.int32)
+        length, played = np.zeros(tile, np.int32), np.ones((tile, width), np.float32)
+        edges[: last - first, :longest] = candidates.edges[first:last]
+        length[: last - first] = candidates.length[first:last]
+        played[: last - first, :longest] = scales[first:last, :longest]
+        counts = _overlap(slices, edges, length, played, pixels, form=form, span=span)
+        counted.append(np.asarray(counts)[: last - first])
+    return np.concatenate(counted)
+
+
+def padded_pixels(drawn: Drawn, crop: Crop, form: Form) -> Pixels:
+    """A drawn attack as the kernel reads it; for ``"paper"`` each pixel once, whatever its time."""
+    if form == "paper":
+        drawn = _timeless(drawn)
+    counts = np.diff(drawn.first)
+    shape = (bucket_size(len(counts), 1, 4), bucket_size(int(counts.max()), 64))
+    number = np.repeat(np.arange(len(counts)), counts)
+    place = np.arange(len(number)) - drawn.first[number]
+    x, z = np.zeros((2, *shape), np.float32)
+    layers = np.zeros(shape, np.uint16)
+    for into, values in ((x, drawn.x), (z, drawn.z), (layers, drawn.layers)):
+        into[number, place] = values
+    times = pad_axis(drawn.times, shape[0]).astype(np.float32)
+    return Pixels(
+        times, np.asarray(crop.start, np.float32), np.asarray(crop.end, np.float32), x, z, layers
+    )
+
+
+def _timeless(drawn: Drawn) -> Drawn:
+    """All bins in one."""
+    pixels, number = np.unique(np.stack([drawn.x, drawn.z], axis=1), axis=0, return_inverse=True)
+    layers = np.zeros(len(pixels), np.uint16)
+    np.bitwise_or.at(layers, number, drawn.layers)
+    x, z = np.ascontiguousarray(pixels.T)
+    return Drawn(times=drawn.times[:1], first=np.array([0, len(pixels)]), x=x, z=z, layers=layers)
+
+
+def _most_played(
+    slices: Slices, candidates: Candidates, scales: Float[np.ndarray, "C L"], crop: Crop
+) -> int:
+    """Most edges that one candidate plays during the crop; by rounding perhaps some more."""
+    edges = candidates.edges
+    played = edges != NO_EDGE
+    lasts = np.asarray(slices.seconds)[edges] * scales[:, : edges.shape[1]] * played
+    ends = np.cumsum(lasts, axis=1)
+    played &= (ends > crop.start - 1e-3) & (ends - lasts < crop.end + 1e-3)
+    return int(played.sum(axis=1).max(initial=1))

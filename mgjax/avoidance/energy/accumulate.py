@@ -7,18 +7,15 @@ import jax.numpy as jnp
 from jaxtyping import Bool, Float, Int
 
 from mgjax.avoidance.attacks.batch import (
-    CROP_END,
-    CROP_START,
-    EVALUATED,
-    SPHERE_COUNT,
-    Shots,
+    AttackBatch,
+    AttackColumn,
+    active_at,
+    centres_at,
     evaluation_times,
-    places,
-    presence,
 )
 from mgjax.avoidance.body.device_tables import DeviceTables
 from mgjax.avoidance.body.volumes import PlacedEdges, locate, spheres_at
-from mgjax.avoidance.candidates.batch import Walks
+from mgjax.avoidance.candidates.batch import CandidateBatch
 from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.kernel import Paths, Totals, join, no_totals, over_sphere
 from mgjax.core.arrays import Array
@@ -32,10 +29,10 @@ _NEVER = 1 << 30
 
 def accumulate(
     tables: DeviceTables,
-    walks: Walks,
+    walks: CandidateBatch,
     placed: PlacedEdges,
     span: tuple[Array, Array],
-    shots: Shots,
+    attack_batch: AttackBatch,
     config: EnergyConfig,
 ) -> tuple[Totals, Bool[Array, " C"]]:
     """e'/Δt, d and d0 of candidates over the evaluated times, and whether their attack is there.
@@ -45,8 +42,8 @@ def accumulate(
     """
     count = walks.length.shape[0]
     start, stop = (x[None] for x in span)
-    number = walks.each(shots.number(EVALUATED))[None]
-    frozen_from = _first_within(walks, shots, span)[None]
+    number = walks.each(attack_batch.number(AttackColumn.EVALUATED))[None]
+    frozen_from = _first_within(walks, attack_batch, span)[None]
 
     def of_walks(values: Array) -> Array:
         """[T, A, …] of attacks to [T, C, …]; [T, 1, …] where there is but one."""
@@ -55,9 +52,9 @@ def accumulate(
     def chunk(k: Array, known: tuple[Totals, Array]) -> tuple[Totals, Array]:
         first = k * (TIMES - 1)
         index = first + jnp.arange(TIMES, dtype=jnp.int32)
-        own_times = evaluation_times(shots, index)
-        centres = of_walks(places(shots, own_times))
-        present = of_walks(presence(shots, own_times))
+        own_times = evaluation_times(attack_batch, index)
+        centres = of_walks(centres_at(attack_batch, own_times))
+        present = of_walks(active_at(attack_batch, own_times))
         times = jnp.broadcast_to(of_walks(own_times), (TIMES, count))
         # The pose at the start of the part is one more time.
         keys = locate(tables, placed, jnp.concatenate([times, start]))
@@ -74,15 +71,21 @@ def accumulate(
             scored=active & (times >= start) & (times < stop) & ~again[:, None],
         )
         totals, met = known
-        added = _over_spheres(paths, centres, of_radii(shots), present, spheres, config)
+        added = _over_spheres(paths, centres, of_radii(attack_batch), present, spheres, config)
         met = met | jnp.any(active & jnp.any(present, axis=-1), axis=0)
         return join(totals, added), met
 
-    def of_radii(shots: Shots) -> Float[Array, "A I"]:
-        return shots.spheres[:, 0] if walks.owner is None else shots.spheres[walks.owner, 0]
+    def of_radii(attack_batch: AttackBatch) -> Float[Array, "A I"]:
+        return (
+            attack_batch.spheres[:, 0]
+            if walks.owner is None
+            else attack_batch.spheres[walks.owner, 0]
+        )
 
-    spheres = jnp.max(shots.number(SPHERE_COUNT)).astype(jnp.int32)
-    chunks = jnp.ceil((jnp.max(shots.number(EVALUATED)) - 1) / (TIMES - 1)).astype(jnp.int32)
+    spheres = jnp.max(attack_batch.number(AttackColumn.SPHERE_COUNT)).astype(jnp.int32)
+    chunks = jnp.ceil(
+        (jnp.max(attack_batch.number(AttackColumn.EVALUATED)) - 1) / (TIMES - 1)
+    ).astype(jnp.int32)
     none = no_totals(count), jnp.zeros(count, bool)
     return jax.lax.fori_loop(0, chunks, chunk, none)
 
@@ -111,9 +114,14 @@ def _over_spheres(
     return jax.lax.fori_loop(0, count, step, no_totals(paths.active.shape[1]))
 
 
-def _first_within(walks: Walks, shots: Shots, span: tuple[Array, Array]) -> Int[Array, " C"]:
+def _first_within(
+    walks: CandidateBatch, attack_batch: AttackBatch, span: tuple[Array, Array]
+) -> Int[Array, " C"]:
     """Number of the first evaluated time within the avoidance part; never where there is none."""
-    begin, end, count = (walks.each(shots.number(k)) for k in (CROP_START, CROP_END, EVALUATED))
+    begin, end, count = (
+        walks.each(attack_batch.number(k))
+        for k in (AttackColumn.CROP_START, AttackColumn.CROP_END, AttackColumn.EVALUATED)
+    )
     start, stop = span
     step = jnp.maximum(end - begin, 1e-9) / (count - 1)
 

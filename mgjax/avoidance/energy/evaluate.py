@@ -11,18 +11,11 @@ import numpy as np
 from jaxtyping import Int
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import (
-    CROP_END,
-    CROP_START,
-    EVALUATED,
-    T_ATTACK,
-    Shots,
-    make_shot,
-)
+from mgjax.avoidance.attacks.batch import AttackBatch, AttackColumn, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.body.device_tables import DeviceTables, PartColumn
 from mgjax.avoidance.body.volumes import PlacedColumn, chain_transforms, read_edges
-from mgjax.avoidance.candidates.batch import TILE, Walks, pad_candidates
+from mgjax.avoidance.candidates.batch import CANDIDATE_TILE, CandidateBatch, pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
 from mgjax.avoidance.energy.accumulate import accumulate
@@ -48,8 +41,8 @@ class Judged:
 
 def judge_tile(
     tables: DeviceTables,
-    walks: Walks,
-    shots: Shots,
+    walks: CandidateBatch,
+    attack_batch: AttackBatch,
     config: EnergyConfig,
     *,
     half_frame: float,
@@ -57,7 +50,7 @@ def judge_tile(
 ) -> Judged:
     """Timing and energies of some candidates (§4.1, §4.2)."""
     limit = jnp.asarray(config.E_time if limit_scale else UNLIMITED, dtype=jnp.float32)
-    t_attack = walks.each(shots.number(T_ATTACK))
+    t_attack = walks.each(attack_batch.number(AttackColumn.T_ATTACK))
 
     def begin(edges: Array, length: Array, part: Array, t_attack: Array) -> tuple:
         read = read_edges(tables, edges)
@@ -84,9 +77,11 @@ def judge_tile(
         begins + part[:, PartColumn.START] * scale,
         begins + part[:, PartColumn.STOP] * scale,
     )
-    totals, met = accumulate(tables, walks, placed, span, shots, config)
-    crop = walks.each(shots.number(CROP_END) - shots.number(CROP_START))
-    dt = crop / (walks.each(shots.number(EVALUATED)) - 1)
+    totals, met = accumulate(tables, walks, placed, span, attack_batch, config)
+    crop = walks.each(
+        attack_batch.number(AttackColumn.CROP_END) - attack_batch.number(AttackColumn.CROP_START)
+    )
+    dt = crop / (walks.each(attack_batch.number(AttackColumn.EVALUATED)) - 1)
     penetration, d, d0 = totals.measured(met, dt)
     measures = Measures(penetration=penetration, d=d, d0=d0, s_time=timing.s_time)
     return Judged(timing=timing, measures=measures, scores=score(measures, config))
@@ -94,8 +89,8 @@ def judge_tile(
 
 def judge_all(
     tables: DeviceTables,
-    walks: Walks,
-    shots: Shots,
+    walks: CandidateBatch,
+    attack_batch: AttackBatch,
     config: EnergyConfig,
     *,
     half_frame: float,
@@ -108,18 +103,21 @@ def judge_all(
     one = partial(
         judge_tile,
         tables,
-        shots=shots,
+        attack_batch=attack_batch,
         config=config,
         half_frame=half_frame,
         limit_scale=limit_scale,
     )
     count = walks.length.shape[0]
-    if count <= TILE:
+    if count <= CANDIDATE_TILE:
         return one(walks)
 
-    def cut(tile: Array | int) -> Walks:
+    def cut(tile: Array | int) -> CandidateBatch:
         return jax.tree.map(
-            lambda x: jax.lax.dynamic_slice_in_dim(x, tile * TILE, TILE, axis=x.ndim - 1), walks
+            lambda x: jax.lax.dynamic_slice_in_dim(
+                x, tile * CANDIDATE_TILE, CANDIDATE_TILE, axis=x.ndim - 1
+            ),
+            walks,
         )
 
     shapes = jax.eval_shape(one, jax.eval_shape(cut, 0))
@@ -130,13 +128,13 @@ def judge_all(
     def step(tile: Array, judged: Judged) -> Judged:
         return jax.tree.map(
             lambda total, part: jax.lax.dynamic_update_slice_in_dim(
-                total, part, tile * TILE, axis=total.ndim - 1
+                total, part, tile * CANDIDATE_TILE, axis=total.ndim - 1
             ),
             judged,
             one(cut(tile)),
         )
 
-    tiles = (jnp.sum((walks.length > 0).astype(jnp.int32)) + TILE - 1) // TILE
+    tiles = (jnp.sum((walks.length > 0).astype(jnp.int32)) + CANDIDATE_TILE - 1) // CANDIDATE_TILE
     return jax.lax.fori_loop(0, tiles, step, nothing)
 
 
@@ -177,7 +175,7 @@ def judge(
     judged = _judge(
         device,
         pad_candidates(candidates),
-        make_shot(attack, crop, config, 0.0),
+        make_attack_batch(attack, crop, config, 0.0),
         config.energy,
         half_frame=0.5 / frame_rate,
         limit_scale=config.limit_scale,

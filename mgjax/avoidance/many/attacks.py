@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.candidates.batch import LENGTH, empty_walks, pad_candidates
+from mgjax.avoidance.candidates.batch import EDGE_BUCKET, empty_candidate_batch, pad_candidates
 from mgjax.avoidance.choice.decision import decide
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.search import (
@@ -124,8 +124,8 @@ def _search(prepared: Prepared, group: list[Asked], config: AvoidanceConfig) -> 
     size = bucket_size(int(firsts[-1]), TOGETHER, 4)
     long = is_long(group[-1].query.candidates, group[-1].query.attack)
     longest = max(asked.query.candidates.edges.shape[1] for asked in group)
-    longest = max(longest, LENGTH + 1 if long else 0)
-    walks = empty_walks(bucket_size(longest, LENGTH, 4), size, shared=False)
+    longest = max(longest, EDGE_BUCKET + 1 if long else 0)
+    walks = empty_candidate_batch(bucket_size(longest, EDGE_BUCKET, 4), size, shared=False)
     table = walks.table
     table[-1] = MOST - 1
     first = np.full(MOST, size - 1, np.int32)
@@ -135,7 +135,7 @@ def _search(prepared: Prepared, group: list[Asked], config: AvoidanceConfig) -> 
         rows = slice(begin, begin + len(own.length))
         table[: own.edges.shape[1], rows] = own.edges.T
         table[-3, rows], table[-2, rows], table[-1, rows] = own.length, own.part, number
-    filled = [asked.shots for asked in group]
+    filled = [asked.attack_batch for asked in group]
     filled += [filled[-1]] * (MOST - len(filled))
     return search_many(
         prepared.device,
@@ -209,7 +209,7 @@ def _look_closer(
     """Decides on one attack alone, with the exact check where bounds leave a doubt."""
     query = asked.query
     walks = pad_candidates(query.candidates, long=is_long(query.candidates, query.attack))
-    given = SearchInput(walks=walks, shots=asked.shots)
+    given = SearchInput(walks=walks, attack_batch=asked.attack_batch)
     result = replace(result, scales=result.scales[: len(walks.edges)])  # padded for the group
     choice = decide(prepared, query, given, result, config).choice
     assert choice is not None

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import Shots, make_shot
+from mgjax.avoidance.attacks.batch import AttackBatch, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates, natural_times
 from mgjax.avoidance.choice.search import Query, is_long
@@ -33,7 +33,7 @@ class Asked:
 
     number: int
     query: Query
-    shots: Shots
+    attack_batch: AttackBatch
 
 
 def all_asked(
@@ -70,8 +70,8 @@ def all_asked(
             if len(subset.length):
                 query = Query(node=int(node), attack=attacks[i], crop=crops[i], candidates=subset)
                 long = is_long(subset, query.attack)
-                shots = make_shot(query.attack, query.crop, config, reach, long=long)
-                yield Asked(number=i, query=query, shots=shots)
+                attack_batch = make_attack_batch(query.attack, query.crop, config, reach, long=long)
+                yield Asked(number=i, query=query, attack_batch=attack_batch)
 
 
 def groups(all_asked: Iterator[Asked]) -> Iterator[list[Asked]]:
@@ -79,7 +79,7 @@ def groups(all_asked: Iterator[Asked]) -> Iterator[list[Asked]]:
     waiting: dict[tuple, tuple[list[Asked], int]] = {}
     for asked in all_asked:
         count = len(asked.query.candidates.length)
-        shape = asked.shots.frames.shape
+        shape = asked.attack_batch.frames.shape
         group, together = waiting.get(shape, ([], 0))
         if group and (len(group) == MOST or together + count > TOGETHER):
             yield group

@@ -105,7 +105,7 @@ def score_attack(
     judged = _judge(
         prepared.device,
         given.walks,
-        given.shots,
+        given.attack_batch,
         EnergyConfig(form=form),
         half_frame=0.5 / prepared.graph.frame_rate,
         limit_scale=False,

@@ -13,7 +13,7 @@ from mgjax.avoidance.attacks.transform import in_frame, shifted
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.checks.fast import clearance_between
-from mgjax.avoidance.checks.written import clearance, trace_motion
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import continue_clear
 from mgjax.avoidance.choice.results import Status
@@ -133,5 +133,5 @@ def played_clearance(graph: MotionGraph, piece: Piece, attack: Attack, since: fl
     times = np.arange(first, max(last, first + 1) + 1) / EXPORT_RATE
     motion = sample_walk(graph, piece.walk, times - piece.begins, start=piece.start)
     spheres = preset_spheres(graph.skeleton)
-    trace = trace_motion(graph, spheres, replace(motion, frame_rate=EXPORT_RATE))
+    trace = sphere_trajectory(graph, spheres, replace(motion, frame_rate=EXPORT_RATE))
     return clearance(shifted(attack, first / EXPORT_RATE), trace, spheres.radii)[1]

@@ -8,16 +8,14 @@ import pytest
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.batch import (
-    EVALUATED,
-    FRAME_COUNT,
-    SAG,
-    Shots,
+    AttackBatch,
+    AttackColumn,
+    active_at,
+    centres_at,
+    centres_at_frames,
     evaluation_times,
     frame_times,
-    make_shot,
-    places,
-    places_at_frames,
-    presence,
+    make_attack_batch,
 )
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.attacks.merge import merge_attacks
@@ -28,8 +26,8 @@ from tests.avoidance.made import throw
 CROP = Crop(start=0.9, end=1.3)
 
 
-def shot_of(attack: Attack) -> Shots:
-    return jax.tree.map(np.asarray, make_shot(attack, CROP, AvoidanceConfig(), 1.0))
+def batch_of(attack: Attack) -> AttackBatch:
+    return jax.tree.map(np.asarray, make_attack_batch(attack, CROP, AvoidanceConfig(), 1.0))
 
 
 def thrown(kind: str) -> Attack:
@@ -47,10 +45,10 @@ def thrown(kind: str) -> Attack:
 @pytest.mark.parametrize("kind", ["straight", "falling", "several", "late", "long ago"])
 def test_frames_are_those_of_the_attack(kind: str) -> None:
     attack = thrown(kind)
-    shot = shot_of(attack)
-    count = int(shot.number(FRAME_COUNT)[0])
+    attack_batch = batch_of(attack)
+    count = int(attack_batch.number(AttackColumn.FRAME_COUNT)[0])
     index = np.arange(count, dtype=np.int32)[:, None]
-    times = np.asarray(frame_times(shot, index))[:, 0].astype(np.float64)
+    times = np.asarray(frame_times(attack_batch, index))[:, 0].astype(np.float64)
     begin = max(attack.start, 0.0)
     assert times[0] == pytest.approx(begin, abs=1e-6)
     assert times[-1] == pytest.approx(attack.end, abs=1e-6)
@@ -58,10 +56,13 @@ def test_frames_are_those_of_the_attack(kind: str) -> None:
     np.testing.assert_allclose(inner, np.round(inner), atol=1e-3)
     spheres = len(attack.radii)
     there = attack.active(times)
-    for got in (places_at_frames(shot, index), places(shot, times[:, None].astype(np.float32))):
+    for got in (
+        centres_at_frames(attack_batch, index),
+        centres_at(attack_batch, times[:, None].astype(np.float32)),
+    ):
         got = np.asarray(got)[:, 0].reshape(count, -1, 3)[:, :spheres]
         np.testing.assert_allclose(got[there], attack.at(times)[there], atol=2e-5)
-    got = np.asarray(presence(shot, times[:, None].astype(np.float32)))[:, 0]
+    got = np.asarray(active_at(attack_batch, times[:, None].astype(np.float32)))[:, 0]
     assert not got[:, spheres:].any()
     # At its first and last moment rounding decides.
     wanted = attack.active(times)
@@ -73,32 +74,32 @@ def test_frames_are_those_of_the_attack(kind: str) -> None:
 
 def test_between_frames_centres_move_straight() -> None:
     attack = thrown("falling")
-    shot = shot_of(attack)
+    attack_batch = batch_of(attack)
     times = np.random.default_rng(0).uniform(attack.start, attack.end, 200)
-    got = np.asarray(places(shot, times[:, None].astype(np.float32)))[:, 0]
+    got = np.asarray(centres_at(attack_batch, times[:, None].astype(np.float32)))[:, 0]
     off = np.linalg.norm(got - attack.at(times)[:, 0], axis=-1)
-    assert off.max() <= float(shot.number(SAG)[0]) + 2e-5
+    assert off.max() <= float(attack_batch.number(AttackColumn.SAG)[0]) + 2e-5
 
 
 def test_evaluated_times_span_the_crop() -> None:
-    shot = shot_of(thrown("straight"))
-    count = int(shot.number(EVALUATED)[0])
+    attack_batch = batch_of(thrown("straight"))
+    count = int(attack_batch.number(AttackColumn.EVALUATED)[0])
     wanted = np.linspace(CROP.start, CROP.end, count)
-    got = np.asarray(evaluation_times(shot, np.arange(count + 3, dtype=np.int32)))[:, 0]
+    got = np.asarray(evaluation_times(attack_batch, np.arange(count + 3, dtype=np.int32)))[:, 0]
     np.testing.assert_allclose(got, [*wanted, CROP.end, CROP.end, CROP.end], atol=1e-6)
 
 
 def test_several_attacks_are_read_each_for_itself() -> None:
-    shots = [shot_of(thrown(kind)) for kind in ("straight", "falling", "long ago")]
-    both = jax.tree.map(lambda *x: np.concatenate(x), *shots)
+    batches = [batch_of(thrown(kind)) for kind in ("straight", "falling", "long ago")]
+    both = jax.tree.map(lambda *x: np.concatenate(x), *batches)
     times = np.random.default_rng(1).uniform(0.0, 1.5, (40, 3)).astype(np.float32)
-    got = np.asarray(places(both, times))
-    for k, shot in enumerate(shots):
-        alone = np.asarray(places(shot, times[:, k : k + 1]))[:, 0]
+    got = np.asarray(centres_at(both, times))
+    for k, attack_batch in enumerate(batches):
+        alone = np.asarray(centres_at(attack_batch, times[:, k : k + 1]))[:, 0]
         np.testing.assert_allclose(got[:, k], alone, atol=1e-6)
     again = both.of(np.array([2, 0], np.int32))
-    np.testing.assert_array_equal(again.frames[1], shots[0].frames[0])
-    np.testing.assert_array_equal(again.numbers[0], shots[2].numbers[0])
+    np.testing.assert_array_equal(again.frames[1], batches[0].frames[0])
+    np.testing.assert_array_equal(again.numbers[0], batches[2].numbers[0])
 
 
 def test_corners_outside_a_life_cost_nothing() -> None:
@@ -106,9 +107,9 @@ def test_corners_outside_a_life_cost_nothing() -> None:
     times = np.array([0.0, 0.5, 1.0])
     centres = np.array([[0.0, 1, 0], [0.0, 1, 0], [5.0, 1, 0]])[:, None]
     attack = Attack(times=times, centres=centres, radii=np.array([0.1]))
-    assert shot_of(attack).number(SAG)[0] > 0.01
+    assert batch_of(attack).number(AttackColumn.SAG)[0] > 0.01
     born = replace(attack, starts=np.array([0.5]), stops=np.array([1.0]))
-    assert shot_of(born).number(SAG)[0] == 0
+    assert batch_of(born).number(AttackColumn.SAG)[0] == 0
 
 
 def test_a_life_that_begins_between_two_frames() -> None:
@@ -117,8 +118,8 @@ def test_a_life_that_begins_between_two_frames() -> None:
     centres = np.array([[0.0, 900, 0], [0.0, 1.2, 1.0], [0.6, 1.2, 1.0], [0.0, -900, 0]])[:, None]
     attack = Attack(times=times, centres=centres, radii=np.array([0.1]))
     attack = replace(attack, starts=np.array([1.0037]), stops=np.array([1.3051]))
-    shot = shot_of(attack)
+    attack_batch = batch_of(attack)
     moments = np.linspace(1.0038, 1.305, 300)
-    got = np.asarray(places(shot, moments[:, None].astype(np.float32)))[:, 0]
+    got = np.asarray(centres_at(attack_batch, moments[:, None].astype(np.float32)))[:, 0]
     np.testing.assert_allclose(got, attack.at(moments)[:, 0], atol=2e-5)
-    assert np.asarray(presence(shot, moments[:, None].astype(np.float32))).all()
+    assert np.asarray(active_at(attack_batch, moments[:, None].astype(np.float32))).all()

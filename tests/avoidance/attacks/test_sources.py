@@ -19,7 +19,7 @@ from mgjax.avoidance.attacks.json_file import load_attack
 from mgjax.avoidance.attacks.limb import limb_attack
 from mgjax.avoidance.attacks.merge import merge_attacks
 from mgjax.avoidance.body.spheres import preset_spheres, sphere_centres
-from mgjax.avoidance.checks.written import clearance, trace_motion, walk_motion
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_motion
 from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.rates import FAR
@@ -338,7 +338,7 @@ def test_merged_clearance_is_the_least(made_graph: MotionGraph, attacker, seed: 
     rng = np.random.default_rng(seed)
     spheres = preset_spheres(made_graph.skeleton)
     motion = walk_motion(made_graph, some_walk(made_graph, seed, 8), 3.0)
-    trace = trace_motion(made_graph, spheres, motion)
+    trace = sphere_trajectory(made_graph, spheres, motion)
     attacks = [throw(rng, arrives=rng.uniform(0.4, 2.0), gravity=i % 2 == 0) for i in range(3)]
     attacks.append(
         limb_attack(

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import SAG, Shots, make_shot
+from mgjax.avoidance.attacks.batch import AttackBatch, AttackColumn, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.attacks.merge import merge_attacks
 from mgjax.avoidance.body.chord_error import frame_chord_errors, seam_chord_errors
 from mgjax.avoidance.body.device_tables import FOLLOWING
 from mgjax.avoidance.body.spheres import preset_spheres, sphere_centres
-from mgjax.avoidance.candidates.batch import Walks
+from mgjax.avoidance.candidates.batch import CandidateBatch
 from mgjax.avoidance.checks import bounds as module
 from mgjax.avoidance.checks.bounds import MORE_LANES, Bounds, clearance_bounds
 from mgjax.avoidance.checks.fast import clearance_between
@@ -46,9 +46,9 @@ def random_walks(graph: MotionGraph, rng: np.random.Generator, seconds: float) -
     return walks
 
 
-def shot_of(attack: Attack, reach: float) -> Shots:
+def shot_of(attack: Attack, reach: float) -> AttackBatch:
     """The crop only counts for energies."""
-    return make_shot(attack, Crop(start=0.0, end=1.0), AvoidanceConfig(), reach)
+    return make_attack_batch(attack, Crop(start=0.0, end=1.0), AvoidanceConfig(), reach)
 
 
 def prepared_of(graph: MotionGraph) -> Prepared:
@@ -68,9 +68,9 @@ def bounds_of(graph: MotionGraph, walks: list[Walk], attack: Attack) -> Bounds:
         length[lane] = len(walk.edges)
         edges[: length[lane], lane], scales[: length[lane], lane] = walk.edges, walk.scales
     table = np.concatenate([edges, [length], np.zeros((2, MORE_LANES), np.int32)])
-    lanes = Walks(table=table, shared=True)
-    shot = shot_of(attack, prepared.posed.reach)
-    found = bound(prepared.device, lanes, scales, shot, frame_rate=graph.frame_rate)
+    lanes = CandidateBatch(table=table, shared=True)
+    attack_batch = shot_of(attack, prepared.posed.reach)
+    found = bound(prepared.device, lanes, scales, attack_batch, frame_rate=graph.frame_rate)
     return jax.tree.map(np.asarray, found)
 
 
@@ -205,13 +205,15 @@ def test_corners_are_paid_for() -> None:
         radii=np.array([0.1]),
     )
     assert np.isclose(
-        float(shot_of(attack, 1.0).numbers[0, SAG]), np.sqrt(2) / 4 / EXPORT_RATE, rtol=1e-3
+        float(shot_of(attack, 1.0).numbers[0, AttackColumn.SAG]),
+        np.sqrt(2) / 4 / EXPORT_RATE,
+        rtol=1e-3,
     )
     straight = replace(attack, centres=np.array([[0.0, 1, 0], [1, 1, 0], [2, 1, 0]])[:, None])
-    assert float(shot_of(straight, 1.0).numbers[0, SAG]) == 0
+    assert float(shot_of(straight, 1.0).numbers[0, AttackColumn.SAG]) == 0
     falling = throw(np.random.default_rng(0), gravity=True)
     wanted = falling.acceleration / EXPORT_RATE**2 / 8
-    assert np.isclose(float(shot_of(falling, 1.0).numbers[0, SAG]), wanted, rtol=1e-3)
+    assert np.isclose(float(shot_of(falling, 1.0).numbers[0, AttackColumn.SAG]), wanted, rtol=1e-3)
 
 
 def test_chord_errors_cover_the_arc(made_graph: MotionGraph) -> None:

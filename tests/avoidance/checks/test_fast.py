@@ -6,7 +6,7 @@ import pytest
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.checks.fast import clearance_between
-from mgjax.avoidance.checks.written import clearance, trace_motion, walk_motion
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_motion
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import FAR
@@ -38,7 +38,7 @@ def by_check(graph: MotionGraph, attack: Attack, walk: Walk, start: float, stop:
     """The clearance of the written motion, without the jitted code."""
     spheres = preset_spheres(graph.skeleton)
     motion = walk_motion(graph, walk, float(walk.starts(graph)[-1]) + 0.1)
-    trace = trace_motion(graph, spheres, motion, start=start + 1e-9, stop=stop - 1e-9)
+    trace = sphere_trajectory(graph, spheres, motion, start=start + 1e-9, stop=stop - 1e-9)
     return clearance(attack, trace, spheres.radii)[1]
 
 

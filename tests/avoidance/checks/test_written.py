@@ -8,7 +8,12 @@ import pytest
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.body.spheres import preset_spheres
-from mgjax.avoidance.checks.written import Trace, clearance, trace_motion, walk_motion
+from mgjax.avoidance.checks.written import (
+    SphereTrajectory,
+    clearance,
+    sphere_trajectory,
+    walk_motion,
+)
 from mgjax.avoidance.rates import CHECK_RATE, EXPORT_RATE, FAR
 from mgjax.core.kinematics import planar_frames
 from mgjax.graph.types import MotionGraph
@@ -26,7 +31,7 @@ def some_walk(graph: MotionGraph, seed: int, length: int = 6) -> Walk:
     return make_walk(graph, edges, rng.choice([0.6, 1.0, 1.7], length))
 
 
-def random_case(seed: int) -> tuple[Attack, Trace, np.ndarray]:
+def random_case(seed: int) -> tuple[Attack, SphereTrajectory, np.ndarray]:
     """Knots and moments that do not coincide; the attack begins late and ends early, or not."""
     rng = np.random.default_rng(seed)
     times = np.sort(rng.uniform(-0.3, 1.3, 7)) if seed % 2 else np.linspace(0.22, 0.71, 5)
@@ -36,11 +41,15 @@ def random_case(seed: int) -> tuple[Attack, Trace, np.ndarray]:
         radii=rng.uniform(0.05, 0.2, 2),
     )
     moments = np.arange(11) / 10
-    trace = Trace(times=moments, centres=np.cumsum(rng.normal(scale=0.3, size=(11, 4, 3)), axis=0))
+    trace = SphereTrajectory(
+        times=moments, centres=np.cumsum(rng.normal(scale=0.3, size=(11, 4, 3)), axis=0)
+    )
     return attack, trace, rng.uniform(0.05, 0.2, 4)
 
 
-def dense(attack: Attack, trace: Trace, radii: np.ndarray, start: float, stop: float) -> float:
+def dense(
+    attack: Attack, trace: SphereTrajectory, radii: np.ndarray, start: float, stop: float
+) -> float:
     """Clearance by dense sampling; too large by at most what moves between two samples."""
     low, high = max(start, attack.start), min(stop, attack.end)
     if low > high:
@@ -78,7 +87,7 @@ def test_clearance_by_loops() -> None:
     rng = np.random.default_rng(0)
     times = np.arange(8) / 4
     attack = Attack(times=times, centres=rng.normal(size=(8, 2, 3)), radii=np.array([0.1, 0.2]))
-    trace = Trace(times=times, centres=rng.normal(size=(8, 3, 3)))
+    trace = SphereTrajectory(times=times, centres=rng.normal(size=(8, 3, 3)))
     radii = np.array([0.1, 0.15, 0.2])
     least = clearance(attack, trace, radii)[1]
     exact = reference.swept_clearance(attack.centres, attack.radii, trace.centres, radii)
@@ -98,7 +107,7 @@ def test_between_two_moments_nothing_slips_through() -> None:
         centres=np.array([[[2.0, 0, 0]], [[0.0, 0, 0]], [[2.0, 0, 0]]]),
         radii=np.array([0.1]),
     )
-    trace = Trace(times=np.array([0.0, 1.0]), centres=np.zeros((2, 1, 3)))
+    trace = SphereTrajectory(times=np.array([0.0, 1.0]), centres=np.zeros((2, 1, 3)))
     np.testing.assert_allclose(clearance(attack, trace, np.array([0.2]))[1], -0.3, atol=1e-12)
 
 
@@ -106,11 +115,13 @@ def test_outside_its_life_an_attack_is_far() -> None:
     attack = Attack(times=np.array([0.4, 0.5]), centres=np.zeros((2, 1, 3)), radii=np.array([0.1]))
     # The body passes through the attack's place before it is there, and after it has gone.
     x = np.array([0.0, 0.0, 5.0, 5.0, 5.0, 5.0, 5.0, 0.0])
-    trace = Trace(times=np.arange(8) / 10, centres=np.stack([x, 0 * x, 0 * x], axis=-1)[:, None])
+    trace = SphereTrajectory(
+        times=np.arange(8) / 10, centres=np.stack([x, 0 * x, 0 * x], axis=-1)[:, None]
+    )
     gaps, least = clearance(attack, trace, np.array([0.1]))
     np.testing.assert_allclose(least, 4.8)
     np.testing.assert_array_equal(gaps[[0, 1, 2, 5, 6]], FAR)
-    late = Trace(times=trace.times + 1, centres=trace.centres)
+    late = SphereTrajectory(times=trace.times + 1, centres=trace.centres)
     assert clearance(attack, late, np.array([0.1]))[1] == FAR
 
 
@@ -120,7 +131,7 @@ def test_a_curved_flight_is_bounded() -> None:
     )
     times = np.arange(241) / CHECK_RATE
     body = np.tile([[[0.1, 1.1, 0.6]]], (len(times), 1, 1))
-    least = clearance(attack, Trace(times=times, centres=body), np.array([0.1]))[1]
+    least = clearance(attack, SphereTrajectory(times=times, centres=body), np.array([0.1]))[1]
     exact = min(
         float(
             np.linalg.norm(
@@ -138,9 +149,9 @@ def test_trace_covers_what_is_asked(made_graph: MotionGraph) -> None:
     motion = walk_motion(made_graph, some_walk(made_graph, 0), 1.23)
     assert motion.frame_rate == EXPORT_RATE
     assert motion.num_frames == 149  # 1.23 s are 147.6 frames
-    whole = trace_motion(made_graph, spheres, motion)
+    whole = sphere_trajectory(made_graph, spheres, motion)
     np.testing.assert_allclose(whole.times, np.arange(297) / CHECK_RATE)
-    part = trace_motion(made_graph, spheres, motion, start=0.501, stop=0.777)
+    part = sphere_trajectory(made_graph, spheres, motion, start=0.501, stop=0.777)
     assert part.times[0] <= 0.501 < part.times[1]
     assert part.times[-2] < 0.777 <= part.times[-1]
     first = round(part.times[0] * CHECK_RATE)
@@ -156,7 +167,7 @@ def test_written_motion_gives_the_same_volumes(
     walk = some_walk(any_graph, seed)
     spheres = preset_spheres(any_graph.skeleton)
     motion = walk_motion(any_graph, walk, float(walk.starts(any_graph)[-1]))
-    trace = trace_motion(any_graph, spheres, motion)
+    trace = sphere_trajectory(any_graph, spheres, motion)
     save_bvh(tmp_path / "motion.bvh", any_graph.skeleton, motion)
     names, times, places = reference.written_positions(tmp_path / "motion.bvh")
     np.testing.assert_allclose(times, trace.times, rtol=1e-6, atol=1e-9)

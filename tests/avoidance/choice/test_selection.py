@@ -13,7 +13,7 @@ from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.body.spheres import preset_spheres, sphere_centres
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
-from mgjax.avoidance.checks.written import clearance, trace_motion, walk_motion
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_motion
 from mgjax.avoidance.choice.continuation import continue_clear
 from mgjax.avoidance.choice.search import HOPELESS_M
 from mgjax.avoidance.choice.selection import Selection, select
@@ -159,7 +159,9 @@ def test_the_least_energy_that_passes_wins(any_graph: MotionGraph, answers: list
                 values["scales"][index, :length],
             )
             end = float(walk.starts(any_graph)[-1])
-            trace = trace_motion(any_graph, spheres, walk_motion(any_graph, walk, end), stop=end)
+            trace = sphere_trajectory(
+                any_graph, spheres, walk_motion(any_graph, walk, end), stop=end
+            )
             # It is hit on its path, or wherever it may lead after it.
             if clearance(attack, trace, spheres.radii)[1] >= CLEAR_M:
                 played = continue_clear(prepared_for(any_graph, QUICK).posed, attack, walk, QUICK)
@@ -353,7 +355,7 @@ def test_goes_on_where_it_is_clear() -> None:
     spheres = preset_spheres(graph.skeleton)
     posed = prepared_for(graph, QUICK).posed
     walks = [make_walk(graph, [0, edge]) for edge in (1, 2)]
-    traces = [trace_motion(graph, spheres, walk_motion(graph, walk, 2.3)) for walk in walks]
+    traces = [sphere_trajectory(graph, spheres, walk_motion(graph, walk, 2.3)) for walk in walks]
     late = 2 * 240
     for own, other in ((0, 1), (1, 0)):
         apart = traces[own].centres[late][:, None] - traces[other].centres[late][None]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import evaluated, make_shot
+from mgjax.avoidance.attacks.batch import evaluated, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
 from mgjax.avoidance.body.edge_tables import speed_classes
 from mgjax.avoidance.body.spheres import sphere_centres
@@ -244,7 +244,7 @@ def test_attacks_do_not_compile_anew(made_graph: MotionGraph) -> None:
     for seed in range(12):
         candidates, attack, crop = searched(made_graph, config, seed=seed)
         shape = pad_candidates(candidates).edges.shape
-        assert make_shot(attack, crop, config, 1.0).frames.shape == (1, 256, 3)
+        assert make_attack_batch(attack, crop, config, 1.0).frames.shape == (1, 256, 3)
         before = compiled._cache_size()
         judged(made_graph, candidates, attack, crop, config)
         assert compiled._cache_size() == before or shape not in shapes

@@ -91,7 +91,7 @@ def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
         query = Query(node=node, attack=attack, crop=crop, candidates=found)
         given = search_input(query, config, prepared.posed.reach)
         energy = EnergyConfig(E_avoidance=rng.uniform(0.01, 1.0), w_b=rng.uniform(0, 2))
-        traced(device, given.walks, given.shots, energy)
+        traced(device, given.walks, given.attack_batch, energy)
         answered += 1
 
 

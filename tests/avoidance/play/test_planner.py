@@ -16,7 +16,7 @@ from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.checks.fast import clearance_between
-from mgjax.avoidance.checks.written import clearance, trace_motion, walk_motion
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_motion
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.play.clocks import (
@@ -279,7 +279,7 @@ def check_independently(planner: Planner, attacks: list[Attack]) -> int:
     spheres = preset_spheres(graph.skeleton)
     count = int(np.ceil(line.end * EXPORT_RATE))
     motion = sample_walk(graph, line.walk(), np.arange(count) / EXPORT_RATE, start=line.start)
-    trace = trace_motion(graph, spheres, motion)
+    trace = sphere_trajectory(graph, spheres, motion)
     hits = 0
     for answer in planner.answers:
         attack = attacks[answer.number]
@@ -318,7 +318,7 @@ def test_a_path_that_is_clear_of_both(made_graph: MotionGraph) -> None:
         if alone.status != "avoided":
             continue
         # Another attack stands where the walk that is best for the newest has a sphere.
-        trace = trace_motion(made_graph, spheres, walk_motion(made_graph, alone.walk, 1.5))
+        trace = sphere_trajectory(made_graph, spheres, walk_motion(made_graph, alone.walk, 1.5))
         place = trace.centres[int(1.2 * 240), int(rng.integers(len(spheres.radii)))]
         other = Attack(
             times=np.array([1.19, 1.21]), centres=np.tile(place, (2, 1, 1)), radii=np.array([0.02])

@@ -8,7 +8,12 @@ import pytest
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.body.spheres import preset_spheres
-from mgjax.avoidance.checks.written import Trace, clearance, trace_motion, walk_motion
+from mgjax.avoidance.checks.written import (
+    SphereTrajectory,
+    clearance,
+    sphere_trajectory,
+    walk_motion,
+)
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.selection import Selection, both_timings, select, write
 from mgjax.avoidance.config import AvoidanceConfig
@@ -247,7 +252,9 @@ def test_answers_are_smooth_clear_and_in_time(any_graph: MotionGraph, answers: l
     assert smooth >= 5
 
 
-def furthest(traces: list[Trace], radii: np.ndarray, late: int) -> tuple[int, np.ndarray, float]:
+def furthest(
+    traces: list[SphereTrajectory], radii: np.ndarray, late: int
+) -> tuple[int, np.ndarray, float]:
     """The sphere centre of the second trace that is furthest from the first at about a moment."""
     places = traces[1].centres[late]
     body = traces[0].centres[late - 2 : late + 3].swapaxes(0, 1)
@@ -264,7 +271,7 @@ def test_linear_where_the_smooth_form_is_touched(any_graph: MotionGraph, answers
             continue
         choice = choose(any_graph, node, attack, config=QUICK)
         traces = [
-            trace_motion(any_graph, spheres, walk_motion(any_graph, choice.walk, 1.0, timing))
+            sphere_trajectory(any_graph, spheres, walk_motion(any_graph, choice.walk, 1.0, timing))
             for timing in both_timings(any_graph, choice)
         ]
         # A speck where the smooth form has a sphere for a moment, and the other has none.

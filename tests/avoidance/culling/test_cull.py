@@ -7,14 +7,27 @@ import pytest
 
 from mgjax.avoidance import choose, select_batch
 from mgjax.avoidance.attacks.crop import crop_attack
+from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
-from mgjax.avoidance.culling.candidates import timing_of, without_culled
+from mgjax.avoidance.culling.cull import cull, timing_of, without_culled
+from mgjax.avoidance.culling.overlap import overlap_pixels
+from mgjax.avoidance.culling.pictures import (
+    Slices,
+    build_slices,
+    picture_bytes,
+)
 from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import ConfigError
 from mgjax.graph.types import MotionGraph
+from tests.avoidance.culling.made import (
+    FORMS,
+    RATE,
+    drawn_of,
+    pixel_set,
+)
 from tests.avoidance.made import throw
 
 CONFIG = AvoidanceConfig()
@@ -63,3 +76,26 @@ def test_settings() -> None:
 def test_many_attacks_are_not_culled(made_graph: MotionGraph) -> None:
     with pytest.raises(ConfigError, match="expected none where attacks are many"):
         select_batch(made_graph, [], [], config=replace(CONFIG, culling="binned"))
+
+
+def test_cull_keeps_up_to_the_threshold(thrown: tuple[Slices, list]) -> None:
+    slices, cases = thrown
+    walks, scales, attack, crop = cases[0]
+    for form in FORMS:
+        counts = overlap_pixels(slices, walks, scales, drawn_of(attack, crop), crop, form=form)
+        middle = int(np.median(counts))
+        for threshold in (0, middle, int(counts.max())):
+            keep = cull(slices, walks, scales, attack, crop, form=form, threshold=threshold)
+            assert (keep == (counts <= threshold)).all()
+        assert counts.max() > counts.min()
+
+
+def test_capture(capture, real_graph: MotionGraph) -> None:
+    """On real capture: every bin of an edge is within its picture, and the size is modest."""
+    slices = build_slices(edge_tables(real_graph, RATE))
+    assert picture_bytes(slices.binned) + picture_bytes(slices.paper) < 60e6
+    rng = np.random.default_rng(0)
+    for edge in rng.integers(0, real_graph.num_edges, 5):
+        first = int(slices.first_bin[edge])
+        bins = [pixel_set(slices.binned, first + b) for b in range(int(slices.bins[edge]))]
+        assert pixel_set(slices.paper, int(edge)) == set().union(*bins)
