@@ -193,14 +193,14 @@ def validate_match(config: MatchConfig, place: str = "") -> None:
     """Raises :class:`ConfigError` unless the weights are usable."""
     check_ranges(config, _MATCH, place)
     if not max(config.w_v, config.w_m, config.w_t) > 0:
-        raise ConfigError(f"got {place}w_v = w_m = w_t = 0, expected one above 0")
+        raise ConfigError(got=f"{place}w_v = w_m = w_t = 0", expected="one above 0")
 
 
 def validate_transition(config: TransitionConfig, place: str = "") -> None:
     """Raises :class:`ConfigError` unless lengths and weights are usable."""
     check_ranges(config, _TRANSITION, place)
     if not max(*config.w_p, *config.w_v) > 0:
-        raise ConfigError(f"got {place}w_p and w_v = 0, expected one above 0")
+        raise ConfigError(got=f"{place}w_p and w_v = 0", expected="one above 0")
 
 
 def validate_kinds(config: KindConfig, place: str = "") -> None:
@@ -208,8 +208,8 @@ def validate_kinds(config: KindConfig, place: str = "") -> None:
     check_ranges(config, _KIND, place)
     if config.attack_m_s < config.pass_m_s:
         raise ConfigError(
-            f"got {place}attack_m_s = {config.attack_m_s!r}, expected at least pass_m_s ="
-            f" {config.pass_m_s!r}"
+            got=f"{place}attack_m_s = {config.attack_m_s!r}",
+            expected=f"at least pass_m_s = {config.pass_m_s!r}",
         )
 
 
@@ -217,9 +217,9 @@ def validate_bones(bones: tuple[str, ...], place: str = "") -> None:
     """Raises :class:`ConfigError` unless these are hit bones, at least one and each once."""
     for bone in bones:
         if bone not in BONE_TABLE:
-            raise ConfigError(f"got {place}bones with {bone!r}, expected {', '.join(HIT_BONES)}")
+            raise ConfigError(got=f"{place}bones with {bone!r}", expected=", ".join(HIT_BONES))
     if not bones or len(set(bones)) < len(bones):
-        raise ConfigError(f"got {place}bones = {list(bones)}, expected different ones, not none")
+        raise ConfigError(got=f"{place}bones = {list(bones)}", expected="different ones, not none")
 
 
 def validate_clip_set(config: ClipSetConfig, place: str = "") -> None:

@@ -41,4 +41,4 @@ def check_range(name: str, value: Any, low: float, high: float) -> None:
     ok = isinstance(value, Real) and not isinstance(value, bool)
     if not (ok and math.isfinite(value) and low <= float(value) <= high):
         top = f" … {high:g}" if high < math.inf else " or more"
-        raise ConfigError(f"got {name} = {value!r}, expected {low:g}{top}")
+        raise ConfigError(got=f"{name} = {value!r}", expected=f"{low:g}{top}")

@@ -10,15 +10,8 @@ from jaxtyping import Float
 from mgjax.core import quaternion
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
-from mgjax.sensor.bones import (
-    BONES,
-    NEEDED,
-    PARENTS,
-    flip_places,
-    flip_rotations,
-    make_body,
-    nearest_above,
-)
+from mgjax.sensor.bone_table import BONES, NEEDED, PARENTS, nearest_above
+from mgjax.sensor.bones import flip_places, flip_rotations, make_body
 from mgjax.sensor.packets import Transform
 
 LEARNING_FRAMES = 20
@@ -42,7 +35,7 @@ class HeldBody:
             :func:`mgjax.sensor.bones.usual_places`, m.
 
     Attributes:
-        bones: of the body, as places in :data:`mgjax.sensor.bones.BONES`; none yet while
+        bones: of the body, as places in :data:`mgjax.sensor.bone_table.BONES`; none yet while
             it is unknown.
         skeleton: in the T-pose, or None.
     """

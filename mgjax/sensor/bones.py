@@ -17,7 +17,6 @@ inverse of this turn.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from jaxtyping import Float
@@ -29,55 +28,17 @@ from mgjax.core.errors import SkeletonError
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton, find_role, require_roles, rest_positions
-
-# A bone, the bone that it hangs on, the joint that has its place in the embedded skeleton, and the
-# role of a joint with another name. "@" stands for Left, l and left.
-_TABLE = (
-    ("Hips", "", "root", "root"),
-    ("Spine", "Hips", "lowerback", "spine"),
-    ("Chest", "Spine", "upperback", ""),
-    ("UpperChest", "Chest", "thorax", "chest"),
-    ("Neck", "UpperChest", "lowerneck", "neck"),
-    ("Head", "Neck", "head", "head"),
+from mgjax.sensor.bone_table import (
+    BONES,
+    HUMAN_BONES,
+    JOINT_NAMES,
+    NEEDED,
+    PARENTS,
+    nearest_above,
 )
-_SIDED_TABLE = (
-    ("@Shoulder", "UpperChest", "@clavicle", ""),
-    ("@UpperArm", "@Shoulder", "@humerus", "@_shoulder"),
-    ("@LowerArm", "@UpperArm", "@radius", "@_elbow"),
-    ("@Hand", "@LowerArm", "@hand", "@_wrist"),
-    ("@UpperLeg", "Hips", "@femur", "@_hip"),
-    ("@LowerLeg", "@UpperLeg", "@tibia", "@_knee"),
-    ("@Foot", "@LowerLeg", "@foot", "@_ankle"),
-    ("@Toes", "@Foot", "@toes", "@_toe"),
-)
-
-
-def _rows() -> tuple[tuple[str, str, str, str], ...]:
-    rows = list(_TABLE)
-    for long, letter, word in (("Left", "l", "left"), ("Right", "r", "right")):
-        for bone, parent, joint, role in _SIDED_TABLE:
-            parts = (bone, long), (parent, long), (joint, letter), (role, word)
-            a, b, c, d = (text.replace("@", side) for text, side in parts)
-            rows.append((a, b, c, d))
-    return tuple(rows)
-
-
-_ROWS = _rows()
-BONES = tuple(row[0] for row in _ROWS)
-"""The bones that are used; a parent comes before its children. Eyes, jaw and fingers are not."""
-PARENTS = tuple(BONES.index(row[1]) if row[1] else -1 for row in _ROWS)
-JOINT_NAMES = tuple(row[2] for row in _ROWS)
-"""What the joints of a received body are called: as in the embedded skeleton."""
-NEEDED = tuple(
-    bone
-    for bone, name in enumerate(BONES)
-    if name == "Hips" or name.endswith(("UpperLeg", "LowerLeg", "Foot"))
-)
-"""Without these a body has no legs."""
 
 _DOWN = np.array([0.0, -1.0, 0.0])
 _AHEAD = np.array([0.0, 0.0, 1.0])
-_LIMBS = {"UpperArm": "LowerArm", "LowerArm": "Hand", "UpperLeg": "LowerLeg", "LowerLeg": "Foot"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,7 +46,7 @@ class BonePoses:
     """What a body sends, in Unity's axes, local to the nearest bone above that is sent, too.
 
     Attributes:
-        bones: which, as places in :data:`BONES`.
+        bones: which, as places in :data:`mgjax.sensor.bone_table.BONES`.
         places: m; those of the hips in the world.
         rotations: wxyz.
     """
@@ -115,8 +76,8 @@ def find_bones(skeleton: Skeleton) -> dict[int, int]:
     require_roles(skeleton, ("right_hip", "right_knee", "right_ankle"))
     by_name = {name.lower(): joint for joint, name in enumerate(skeleton.names)}
     joints: dict[int, int] = {}
-    for bone, (_, _, name, role) in enumerate(_ROWS):
-        joint = by_name.get(name, find_role(skeleton, role) if role else None)
+    for bone, row in enumerate(HUMAN_BONES):
+        joint = by_name.get(row.joint, find_role(skeleton, row.role) if row.role else None)
         if bone == 0:
             joint = 0
         if joint is not None and joint not in joints.values():
@@ -125,14 +86,6 @@ def find_bones(skeleton: Skeleton) -> dict[int, int]:
     if missing:
         raise SkeletonError(f"found no joint for {missing[0]} among {', '.join(skeleton.names)}")
     return joints
-
-
-def nearest_above(bone: int, present: dict[int, int] | set[int]) -> int:
-    """The next bone above that is present, or −1."""
-    above = PARENTS[bone]
-    while above >= 0 and above not in present:
-        above = PARENTS[above]
-    return above
 
 
 def t_pose(skeleton: Skeleton, bones: dict[int, int]) -> dict[int, Float[np.ndarray, "4"]]:
@@ -144,23 +97,20 @@ def t_pose(skeleton: Skeleton, bones: dict[int, int]) -> dict[int, Float[np.ndar
     body_turn = _heading_turn(across, np.array([1.0, 0.0, 0.0]))
     turns: dict[int, np.ndarray] = {}
     for bone, joint in bones.items():
-        name = BONES[bone]
-        side = "Left" if name.startswith("Left") else "Right"
-        part = name.removeprefix(side)
+        row = HUMAN_BONES[bone]
         turns[bone] = body_turn
-        if part in _LIMBS or part == "Foot":
-            below = BONES.index(side + _LIMBS.get(part, "Toes"))
-            if below not in bones:
-                continue
-            direction = quaternion.rotate(body_turn, places[bones[below]] - places[joint])
-            if part == "Foot":
-                turn = _heading_turn(np.asarray(direction), _AHEAD)
-            else:
-                out = np.array([1.0 if side == "Left" else -1.0, 0.0, 0.0])
-                turn = quaternion.from_two_vectors(direction, out if "Arm" in part else _DOWN)
-            turns[bone] = np.asarray(quaternion.multiply(turn, body_turn))
-        elif part in ("Hand", "Toes"):
+        if row.t_pose == "parent":
             turns[bone] = turns.get(PARENTS[bone], body_turn)
+        below = BONES.index(row.points_to) if row.points_to else -1
+        if below not in bones:
+            continue
+        direction = quaternion.rotate(body_turn, places[bones[below]] - places[joint])
+        if row.t_pose == "ahead":
+            turn = _heading_turn(np.asarray(direction), _AHEAD)
+        else:
+            goal = _DOWN if row.t_pose == "down" else np.array([float(row.side), 0.0, 0.0])
+            turn = quaternion.from_two_vectors(direction, goal)
+        turns[bone] = np.asarray(quaternion.multiply(turn, body_turn))
     return turns
 
 
@@ -198,7 +148,6 @@ def encode(skeleton: Skeleton, motion: Motion) -> BonePoses:
     )
 
 
-@cache
 def usual_places() -> Float[np.ndarray, "B 3"]:
     """[22,3] local places of all bones in the T-pose of the embedded body, our axes, m."""
     skeleton = synthetic_skeleton()

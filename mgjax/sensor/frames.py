@@ -11,7 +11,8 @@ from jaxtyping import Float
 
 from mgjax.core.skeleton import Skeleton
 from mgjax.sensor.body import ROOT, HeldBody, Parts
-from mgjax.sensor.bones import BONES, usual_places
+from mgjax.sensor.bone_table import BONES
+from mgjax.sensor.bones import usual_places
 from mgjax.sensor.packets import Packet, Transform, parse_packet
 
 BREAK_S = 1.0

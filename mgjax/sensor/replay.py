@@ -15,7 +15,8 @@ from jaxtyping import Float, Int
 from mgjax.core.errors import ConfigError
 from mgjax.core.motion import Motion, resample
 from mgjax.core.skeleton import Skeleton
-from mgjax.sensor.bones import BONES, BonePoses, encode
+from mgjax.sensor.bone_table import BONES
+from mgjax.sensor.bones import BonePoses, encode
 from mgjax.sensor.clock import Clock, clock
 from mgjax.sensor.config import HOST, PORT, ReplayConfig, validate_replay
 from mgjax.sensor.receiver import address

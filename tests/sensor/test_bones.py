@@ -14,17 +14,8 @@ from mgjax.core.kinematics import forward, global_positions
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton, rest_positions
 from mgjax.io.load import load_motion
-from mgjax.sensor.bones import (
-    BONES,
-    JOINT_NAMES,
-    PARENTS,
-    encode,
-    find_bones,
-    flip_places,
-    flip_rotations,
-    t_pose,
-    usual_places,
-)
+from mgjax.sensor.bone_table import BONES, JOINT_NAMES, PARENTS
+from mgjax.sensor.bones import encode, find_bones, flip_places, flip_rotations, t_pose, usual_places
 
 
 def still(skeleton: Skeleton) -> Motion:

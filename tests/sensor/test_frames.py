@@ -14,7 +14,8 @@ import pytest
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core.kinematics import global_positions
 from mgjax.sensor.body import LEARNING_FRAMES
-from mgjax.sensor.bones import BONES, PARENTS, encode, find_bones, usual_places
+from mgjax.sensor.bone_table import BONES, PARENTS
+from mgjax.sensor.bones import encode, find_bones, usual_places
 from mgjax.sensor.config import ReplayConfig
 from mgjax.sensor.frames import BREAK_S, FrameAssembler, SensorFrame
 from mgjax.sensor.replay import packet_builder, schedule

@@ -18,7 +18,8 @@ from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion, cut
 from mgjax.core.skeleton import Skeleton
 from mgjax.io.load import load_motion
-from mgjax.sensor.bones import JOINT_NAMES, find_bones
+from mgjax.sensor.bone_table import JOINT_NAMES
+from mgjax.sensor.bones import find_bones
 from mgjax.sensor.config import ReplayConfig
 from mgjax.sensor.frames import WAIT_S, SensorFrame
 from tests.sensor.transport import Loopback
