@@ -212,7 +212,7 @@ def _frames(physics: BallPhysics) -> dict[str, Any]:
         "speeds": speeds,
         "target": target,
         "curves": np.array(rows),
-        "chosen_curve": curve(feet[frame], found.velocities[frame], found.times[frame]),
+        "chosen_curve": curve(feet[frame], found.velocities[frame], float(found.times[frame])),
         "adjusted_curve": curve(feet[frame], found.aim.velocity, float(found.aim.time)),
         "chosen": frame,
         "distance_before_m": float(found.distances[frame]),

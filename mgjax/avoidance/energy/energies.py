@@ -13,10 +13,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Bool, Float
 
-from mgjax.avoidance.config import EnergyConfig, Number
+from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.kernel import FAR, Paths, Totals, over_attack
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
+from mgjax.core.traced import Number
 from mgjax.core.xla.pytree import register
 
 _SAME = 1e-5

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from numbers import Real
-from typing import Any, Literal, TypeAlias
+from typing import Literal
 
 from mgjax.core.errors import ConfigError
-
-Number: TypeAlias = Any
-"""A Python float, or a jax scalar: settings that are traced, so that sweeps and gradients go
-through them without a new compilation."""
+from mgjax.core.traced import Number
 
 _RANGES: dict[str, tuple[float, float]] = {
     "gravity": (1e-3, 1e3),
