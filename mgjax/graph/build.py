@@ -20,7 +20,7 @@ from mgjax.core.motion import Motion, validate_motion
 from mgjax.core.skeleton import Skeleton, require_roles, validate_skeleton
 from mgjax.graph.assemble import assemble
 from mgjax.graph.axis import Axis, lay_out
-from mgjax.graph.config import GraphConfig
+from mgjax.graph.config import GraphConfig, validate_graph_config
 from mgjax.graph.distance import normalised_weights
 from mgjax.graph.feet import foot_chains
 from mgjax.graph.minima import Minima, find_minima
@@ -72,7 +72,7 @@ def build_graph(
         GraphError: nothing is left, or the automatic threshold does not exist; says what would do.
     """
     config = config or GraphConfig()
-    _validate(config)
+    validate_graph_config(config)
     named = as_clips(clips)
     if not named:
         raise GraphError("got no clips, expected at least one")
@@ -142,25 +142,6 @@ def build_graph(
         graph = assemble(axis, candidates, kept, blended, window, config, report)
     report["seconds"] = {k: round(v, 4) for k, v in watch.seconds.items()}
     return graph
-
-
-def _validate(config: GraphConfig) -> None:
-    checks = {
-        "frame_rate": 1 <= config.frame_rate <= 1000,
-        "window_s": 0 < config.window_s <= 10,
-        "neighbourhood": 1 <= config.neighbourhood <= 50,
-        "self_gap_s": 0 <= config.self_gap_s < np.inf,
-        "threshold_m": config.threshold_m is None or 0 < config.threshold_m < np.inf,
-        "normalised": config.normalised is None or 0 < config.normalised <= 1,
-        "keep": 0 <= config.keep <= 1,
-        "max_threshold_m": 0 < config.max_threshold_m <= 10,
-        "horizon_s": config.horizon_s > 0,
-    }
-    for name, ok in checks.items():
-        if not ok:
-            raise ConfigError(f"{name} = {getattr(config, name)!r} is out of range")
-    if config.threshold_m is not None and config.normalised is not None:
-        raise ConfigError("got both threshold_m and normalised, expected at most one")
 
 
 def joint_weights(skeleton: Skeleton, weights: str | dict[str, float]) -> np.ndarray:
