@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mgjax.avoidance.choice.compile_ahead import warm_up as warm_up
     from mgjax.avoidance.choice.results import Choice as Choice
     from mgjax.avoidance.choice.results import Dropped as Dropped
-    from mgjax.avoidance.choice.results import Energy as Energy
+    from mgjax.avoidance.choice.results import Status as Status
     from mgjax.avoidance.choice.selection import Selection as Selection
     from mgjax.avoidance.choice.selection import select as select
     from mgjax.avoidance.config import AvoidanceConfig as AvoidanceConfig
@@ -32,21 +32,29 @@ if TYPE_CHECKING:
     from mgjax.avoidance.energy.energies import EnergyConfig as EnergyConfig
     from mgjax.avoidance.energy.energies import energies as energies
     from mgjax.avoidance.energy.energies import energies_batch as energies_batch
+    from mgjax.avoidance.energy.score import Energy as Energy
     from mgjax.avoidance.index.build import build_index as build_index
+    from mgjax.avoidance.index.files import load_index as load_index
+    from mgjax.avoidance.index.files import save_index as save_index
     from mgjax.avoidance.index.index import GridIndex as GridIndex
-    from mgjax.avoidance.index.index import load_index as load_index
-    from mgjax.avoidance.index.index import save_index as save_index
+    from mgjax.avoidance.index.protocol import CandidateIndex as CandidateIndex
     from mgjax.avoidance.many.attacks import BatchSelection as BatchSelection
     from mgjax.avoidance.many.attacks import select_batch as select_batch
     from mgjax.avoidance.many.settings import Swept as Swept
     from mgjax.avoidance.many.settings import sweep_energies as sweep_energies
     from mgjax.avoidance.play.planner import Answer as Answer
     from mgjax.avoidance.play.planner import Planner as Planner
+    from mgjax.avoidance.prepared import Prepared as Prepared
+    from mgjax.avoidance.prepared import prepare as prepare
     from mgjax.avoidance.timing.time_warp import TimeWarp as TimeWarp
 else:
     __getattr__, __dir__, __all__ = attach(
         __name__,
         {
+            "CandidateIndex": "mgjax.avoidance.index.protocol",
+            "Status": "mgjax.avoidance.choice.results",
+            "prepare": "mgjax.avoidance.prepared",
+            "Prepared": "mgjax.avoidance.prepared",
             "Answer": "mgjax.avoidance.play.planner",
             "Attack": "mgjax.avoidance.attacks.attack",
             "AvoidanceConfig": "mgjax.avoidance.config",
@@ -62,15 +70,15 @@ else:
             "Energies": "mgjax.avoidance.energy.energies",
             "energies": "mgjax.avoidance.energy.energies",
             "energies_batch": "mgjax.avoidance.energy.energies",
-            "Energy": "mgjax.avoidance.choice.results",
+            "Energy": "mgjax.avoidance.energy.score",
             "EnergyConfig": "mgjax.avoidance.energy.energies",
             "GridIndex": "mgjax.avoidance.index.index",
             "limb_attack": "mgjax.avoidance.attacks.limb",
             "load_attack": "mgjax.avoidance.attacks.json_file",
-            "load_index": "mgjax.avoidance.index.index",
+            "load_index": "mgjax.avoidance.index.files",
             "merge_attacks": "mgjax.avoidance.attacks.merge",
             "Planner": "mgjax.avoidance.play.planner",
-            "save_index": "mgjax.avoidance.index.index",
+            "save_index": "mgjax.avoidance.index.files",
             "select": "mgjax.avoidance.choice.selection",
             "select_batch": "mgjax.avoidance.many.attacks",
             "Selection": "mgjax.avoidance.choice.selection",
