@@ -68,15 +68,10 @@ def jump_frames(skeleton: Skeleton, motion: Motion) -> np.ndarray:
     """Frames f such that the motion jumps between f − 1 and f, in rising order.
 
     A jump is a joint faster than 25 m/s and by at least 0.15 m. The step out of a T-pose in frame 0
-    is not one of them; see :func:`starts_with_t_pose`.
+    is not one of them; see :func:`first_clean_frame`.
     """
     steps = _steps(np.asarray(global_positions(skeleton, motion)))
     return _jump_frames(steps, motion.frame_rate, _t_pose(skeleton, motion, steps))
-
-
-def starts_with_t_pose(skeleton: Skeleton, motion: Motion) -> bool:
-    """Whether frame 0 is the rest pose and the rest of the motion does not continue it."""
-    return _t_pose(skeleton, motion, _steps(np.asarray(global_positions(skeleton, motion))))
 
 
 def first_clean_frame(skeleton: Skeleton, motion: Motion) -> int:
