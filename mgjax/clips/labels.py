@@ -31,7 +31,7 @@ def load_labels(
     """
     document = _parse(path)
     known = {(Path(clips_folder) / clip.name).resolve(): clip for clip in clips}
-    found: dict[str, tuple[Label, ...]] = {}
+    by_clip: dict[str, tuple[Label, ...]] = {}
     for name, intervals in document.items():
         try:
             places = [(Path(base) / name).resolve() for base in (Path(path).parent, clips_folder)]
@@ -48,9 +48,9 @@ def load_labels(
         if not isinstance(intervals, list):
             raise LabelError(path, _line_of(path, name), f"{name!r}: {intervals!r:.40}", "a list")
         labels = [_label(path, name, i, item) for i, item in enumerate(intervals)]
-        found[clip.name] = found.get(clip.name, ()) + tuple(labels)
-    validate_labels(found, clips, source=path)
-    return found
+        by_clip[clip.name] = by_clip.get(clip.name, ()) + tuple(labels)
+    validate_labels(by_clip, clips, source=path)
+    return by_clip
 
 
 def validate_labels(labels: Labels, clips: list[Clip], *, source: str | Path = "labels") -> None:

@@ -79,11 +79,11 @@ def build_graph(
     for clip in named:
         validate_skeleton(clip.skeleton)
         validate_motion(clip.skeleton, clip.motion)
-    given: Labels = {name: tuple(items) for name, items in (labels or {}).items()}
-    validate_labels(given, named)
+    by_clip: Labels = {name: tuple(items) for name, items in (labels or {}).items()}
+    validate_labels(by_clip, named)
     watch = _Stopwatch()
     with watch.step("prepare"):
-        timeline, notes = make_timeline(named, given, skeleton or named[0].skeleton, config)
+        timeline, notes = make_timeline(named, by_clip, skeleton or named[0].skeleton, config)
     window = max(1, round(config.window_s * config.frame_rate))
     weights = joint_weights(timeline.skeleton, config.weights)
 
@@ -135,7 +135,7 @@ def build_graph(
         "threshold_m": float(threshold),
         "minima": len(minima.rows),
         "candidates": len(candidates.leave),
-        "labels_total": sum(len(items) for items in given.values()) * (2 if config.mirror else 1),
+        "labels_total": sum(len(items) for items in by_clip.values()) * (2 if config.mirror else 1),
         "notes": notes,
     }
     with watch.step("assemble"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from mgjax.core.errors import ConfigError
 
@@ -63,10 +64,11 @@ def validate_graph_config(config: GraphConfig) -> None:
     """Raises :class:`ConfigError` naming the first setting that is out of range."""
     for name, (low, high) in _RANGES.items():
         value = getattr(config, name)
-        if value is None and name in _OPTIONAL:
+        if name in _OPTIONAL and value is None:
             continue
+        number: Any = value
         try:
-            ok = not isinstance(value, bool | str) and low <= float(value) <= high
+            ok = not isinstance(value, bool | str) and low <= float(number) <= high
         except (TypeError, ValueError):
             ok = False
         if not ok:

@@ -492,8 +492,8 @@ def test_positions_and_plants_are_kept(made_graph):
     )
     np.testing.assert_array_equal(graph.positions, positions)
     assert graph.positions is graph.positions
-    np.testing.assert_array_equal(graph.plants, planted_frames(graph))
-    assert graph.plants is graph.plants
+    np.testing.assert_array_equal(made_graph.plants, planted_frames(made_graph))
+    assert made_graph.plants is made_graph.plants
     dead = weakref.ref(graph)
     del graph
     gc.collect()

@@ -16,10 +16,9 @@ from mgjax.ballsport.aiming.problem import FIRST_CONTACT, Task, flight_arcs, mak
 from mgjax.ballsport.aiming.solve import Aim, solve
 from mgjax.ballsport.aiming.updates import SECOND
 from mgjax.ballsport.ball.flight import contact_time, free_flight
-from mgjax.ballsport.ball.physics import BallPhysics, Net
+from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
-from mgjax.core.traced import Number
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register
 

@@ -20,10 +20,9 @@ from mgjax.ballsport.aiming.solve import (
     solve_nearest,
 )
 from mgjax.ballsport.aiming.updates import SECOND
-from mgjax.ballsport.ball.physics import BallPhysics, Net
+from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
-from mgjax.core.traced import Number
 from mgjax.core.xla.padding import bucket_size, pad_axis
 
 MOST_BOUNCES = 4

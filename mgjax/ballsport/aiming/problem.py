@@ -9,9 +9,8 @@ import jax.numpy as jnp
 from jaxtyping import Bool, Float
 
 from mgjax.ballsport.ball.flight import free_flight, next_arc, traced
-from mgjax.ballsport.ball.physics import BallPhysics, Net
+from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
 from mgjax.core.arrays import Array
-from mgjax.core.traced import Number
 
 MARGIN = 3e-5
 """Least height above rest height at which a pass may end, m. A ball that arrives on the ground

@@ -11,9 +11,8 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Float
 
-from mgjax.ballsport.ball.physics import BallPhysics, Net
+from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
 from mgjax.core.arrays import Array
-from mgjax.core.traced import Number
 from mgjax.core.xla.pytree import register
 
 register("drag_law")(BallPhysics)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from numbers import Real
-from typing import Literal
+from typing import Any, Literal, TypeAlias
 
 from mgjax.core.errors import ConfigError
-from mgjax.core.traced import Number
+
+Number: TypeAlias = Any
+"""A Python float, or a jax scalar: settings that are traced, so that sweeps and gradients go
+through them without a new compilation."""
 
 _RANGES: dict[str, tuple[float, float]] = {
     "gravity": (1e-3, 1e3),
