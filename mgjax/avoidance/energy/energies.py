@@ -21,8 +21,6 @@ from mgjax.core.errors import ConfigError
 from mgjax.core.traced import Number
 from mgjax.core.xla.pytree import register
 
-register("form", "d0")(EnergyConfig)
-
 
 @register()
 @dataclass(frozen=True, kw_only=True)

@@ -18,6 +18,8 @@ from mgjax.core.arrays import Array
 from mgjax.core.traced import Number
 from mgjax.core.xla.pytree import register
 
+register("form", "d0")(EnergyConfig)
+
 _SAME = 1e-5
 """Clearances that differ by less, m, are equal: rounding, some metres from the origin."""
 
