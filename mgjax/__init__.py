@@ -5,30 +5,43 @@ Importing this package does no work; names are loaded when they are first used.
 
 from __future__ import annotations
 
-import importlib
-from typing import Any
+from typing import TYPE_CHECKING
+
+from mgjax._lazy import attach
 
 __version__ = "0.1.0"
 
-_HOMES = {
-    "Skeleton": "mgjax.core.skeleton",
-    "Motion": "mgjax.core.motion",
-    "MgjaxError": "mgjax.core.errors",
-    "global_positions": "mgjax.core.kinematics",
-    "load_motion": "mgjax.io.load",
-    "save_bvh": "mgjax.io.bvh_write",
-}
-_ROOMS = ("core", "io", "clips", "graph", "avoidance", "ballsport", "hybrid")
-__all__ = [*_HOMES, *_ROOMS, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
-
-
-def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        return getattr(importlib.import_module(_HOMES[name]), name)
-    if name in _ROOMS:
-        return importlib.import_module(f"mgjax.{name}")
-    raise AttributeError(f"module 'mgjax' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+if TYPE_CHECKING:
+    from mgjax import avoidance as avoidance
+    from mgjax import ballsport as ballsport
+    from mgjax import clips as clips
+    from mgjax import core as core
+    from mgjax import graph as graph
+    from mgjax import hybrid as hybrid
+    from mgjax import io as io
+    from mgjax.core.errors import MgjaxError as MgjaxError
+    from mgjax.core.kinematics import global_positions as global_positions
+    from mgjax.core.motion import Motion as Motion
+    from mgjax.core.skeleton import Skeleton as Skeleton
+    from mgjax.io.bvh_write import save_bvh as save_bvh
+    from mgjax.io.load import load_motion as load_motion
+else:
+    __getattr__, __dir__, __all__ = attach(
+        __name__,
+        {
+            "avoidance": "mgjax.avoidance",
+            "ballsport": "mgjax.ballsport",
+            "clips": "mgjax.clips",
+            "core": "mgjax.core",
+            "global_positions": "mgjax.core.kinematics",
+            "graph": "mgjax.graph",
+            "hybrid": "mgjax.hybrid",
+            "io": "mgjax.io",
+            "load_motion": "mgjax.io.load",
+            "MgjaxError": "mgjax.core.errors",
+            "Motion": "mgjax.core.motion",
+            "save_bvh": "mgjax.io.bvh_write",
+            "Skeleton": "mgjax.core.skeleton",
+        },
+    )
+    __all__ += ["__version__"]

@@ -212,7 +212,7 @@ def _frames(physics: BallPhysics) -> dict[str, Any]:
         "speeds": speeds,
         "target": target,
         "curves": np.array(rows),
-        "chosen_curve": curve(feet[frame], aimed.velocities[frame], aimed.times[frame]),
+        "chosen_curve": curve(feet[frame], aimed.velocities[frame], float(aimed.times[frame])),
         "adjusted_curve": curve(feet[frame], aimed.aim.velocity, float(aimed.aim.time)),
         "chosen": frame,
         "distance_before_m": float(aimed.distances[frame]),

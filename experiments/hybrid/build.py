@@ -31,7 +31,7 @@ from mgjax.core.kinematics import forward, planar_frames
 from mgjax.core.motion import Motion
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
-from mgjax.graph.plants import foot_slide, planted_frames
+from mgjax.graph.plants import foot_slide
 from mgjax.graph.types import NO_CLIP, MotionGraph
 from mgjax.hybrid.config import PathConfig
 from mgjax.hybrid.paths.search import follow
@@ -163,7 +163,7 @@ def quality(graph: MotionGraph, config: Config) -> dict[str, Any]:
         local_rotations=graph.local_rotations[:stop],
         frame_rate=graph.frame_rate,
     )
-    plants = planted_frames(graph)[:stop].copy()
+    plants = graph.plants[:stop].copy()
     plants[graph.clip_starts] = False  # no step leads from clip to clip
     slides["captured"] = foot_slide(graph.skeleton, captured, plants)
     return {
@@ -182,7 +182,7 @@ def transition_slide(graph: MotionGraph) -> tuple[float, float]:
     before = graph.node_frame[graph.edge_source[edges]] - 1
     step = np.arange(graph.window + 1)
     frames = np.concatenate([before[:, None], graph.edge_starts[edges][:, None] + step], axis=1)
-    plants = planted_frames(graph)[frames]
+    plants = graph.plants[frames]
     positions = np.asarray(
         forward(graph.skeleton, graph.root_translation, graph.local_rotations)[0]
     )

@@ -5,41 +5,88 @@ After Oshita and Masaoka, *Generating Avoidance Motion Using Motion Graph* (2011
 
 from __future__ import annotations
 
-import importlib
-from typing import Any
+from typing import TYPE_CHECKING
 
-_HOMES = {
-    "Attack": "mgjax.avoidance.attacks.attack",
-    "AvoidanceConfig": "mgjax.avoidance.config",
-    "BatchSelection": "mgjax.avoidance.many.attacks",
-    "Choice": "mgjax.avoidance.choice.results",
-    "Coverage": "mgjax.avoidance.coverage.throws",
-    "Energies": "mgjax.avoidance.energy.energies",
-    "EnergyConfig": "mgjax.avoidance.energy.energies",
-    "Planner": "mgjax.avoidance.play.planner",
-    "Selection": "mgjax.avoidance.choice.selection",
-    "SpeedConfig": "mgjax.avoidance.config",
-    "ball_attack": "mgjax.avoidance.attacks.ball",
-    "build_index": "mgjax.avoidance.index.build",
-    "choose": "mgjax.avoidance.choice.choosing",
-    "energies": "mgjax.avoidance.energy.energies",
-    "energies_batch": "mgjax.avoidance.energy.energies",
-    "limb_attack": "mgjax.avoidance.attacks.limb",
-    "load_attack": "mgjax.avoidance.attacks.json_file",
-    "load_index": "mgjax.avoidance.index.files",
-    "merge_attacks": "mgjax.avoidance.attacks.merge",
-    "Prepared": "mgjax.avoidance.prepared",
-    "prepare": "mgjax.avoidance.prepared",
-    "save_index": "mgjax.avoidance.index.files",
-    "select": "mgjax.avoidance.choice.selection",
-    "select_batch": "mgjax.avoidance.many.attacks",
-    "sweep_energies": "mgjax.avoidance.many.settings",
-    "warm_up": "mgjax.avoidance.choice.compile_ahead",
-}
-__all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
+from mgjax._lazy import attach
 
-
-def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        return getattr(importlib.import_module(_HOMES[name]), name)
-    raise AttributeError(f"module 'mgjax.avoidance' has no attribute {name!r}")
+if TYPE_CHECKING:
+    from mgjax.avoidance.attacks.attack import Attack as Attack
+    from mgjax.avoidance.attacks.ball import ball_attack as ball_attack
+    from mgjax.avoidance.attacks.crop import Crop as Crop
+    from mgjax.avoidance.attacks.json_file import load_attack as load_attack
+    from mgjax.avoidance.attacks.limb import limb_attack as limb_attack
+    from mgjax.avoidance.attacks.merge import merge_attacks as merge_attacks
+    from mgjax.avoidance.candidates.enumerate import Candidates as Candidates
+    from mgjax.avoidance.checks.written import SphereTrajectory as SphereTrajectory
+    from mgjax.avoidance.choice.choosing import choose as choose
+    from mgjax.avoidance.choice.compile_ahead import warm_up as warm_up
+    from mgjax.avoidance.choice.results import Choice as Choice
+    from mgjax.avoidance.choice.results import Dropped as Dropped
+    from mgjax.avoidance.choice.results import Status as Status
+    from mgjax.avoidance.choice.selection import Selection as Selection
+    from mgjax.avoidance.choice.selection import select as select
+    from mgjax.avoidance.config import AvoidanceConfig as AvoidanceConfig
+    from mgjax.avoidance.config import SpeedConfig as SpeedConfig
+    from mgjax.avoidance.coverage.throws import Coverage as Coverage
+    from mgjax.avoidance.energy.energies import Energies as Energies
+    from mgjax.avoidance.energy.energies import EnergyConfig as EnergyConfig
+    from mgjax.avoidance.energy.energies import energies as energies
+    from mgjax.avoidance.energy.energies import energies_batch as energies_batch
+    from mgjax.avoidance.energy.score import Energy as Energy
+    from mgjax.avoidance.index.build import build_index as build_index
+    from mgjax.avoidance.index.files import load_index as load_index
+    from mgjax.avoidance.index.files import save_index as save_index
+    from mgjax.avoidance.index.index import GridIndex as GridIndex
+    from mgjax.avoidance.index.protocol import CandidateIndex as CandidateIndex
+    from mgjax.avoidance.many.attacks import BatchSelection as BatchSelection
+    from mgjax.avoidance.many.attacks import select_batch as select_batch
+    from mgjax.avoidance.many.settings import Swept as Swept
+    from mgjax.avoidance.many.settings import sweep_energies as sweep_energies
+    from mgjax.avoidance.play.planner import Answer as Answer
+    from mgjax.avoidance.play.planner import Planner as Planner
+    from mgjax.avoidance.prepared import Prepared as Prepared
+    from mgjax.avoidance.prepared import prepare as prepare
+    from mgjax.avoidance.timing.time_warp import TimeWarp as TimeWarp
+else:
+    __getattr__, __dir__, __all__ = attach(
+        __name__,
+        {
+            "CandidateIndex": "mgjax.avoidance.index.protocol",
+            "Status": "mgjax.avoidance.choice.results",
+            "prepare": "mgjax.avoidance.prepared",
+            "Prepared": "mgjax.avoidance.prepared",
+            "Answer": "mgjax.avoidance.play.planner",
+            "Attack": "mgjax.avoidance.attacks.attack",
+            "AvoidanceConfig": "mgjax.avoidance.config",
+            "ball_attack": "mgjax.avoidance.attacks.ball",
+            "BatchSelection": "mgjax.avoidance.many.attacks",
+            "build_index": "mgjax.avoidance.index.build",
+            "Candidates": "mgjax.avoidance.candidates.enumerate",
+            "Choice": "mgjax.avoidance.choice.results",
+            "choose": "mgjax.avoidance.choice.choosing",
+            "Coverage": "mgjax.avoidance.coverage.throws",
+            "Crop": "mgjax.avoidance.attacks.crop",
+            "Dropped": "mgjax.avoidance.choice.results",
+            "Energies": "mgjax.avoidance.energy.energies",
+            "energies": "mgjax.avoidance.energy.energies",
+            "energies_batch": "mgjax.avoidance.energy.energies",
+            "Energy": "mgjax.avoidance.energy.score",
+            "EnergyConfig": "mgjax.avoidance.energy.energies",
+            "GridIndex": "mgjax.avoidance.index.index",
+            "limb_attack": "mgjax.avoidance.attacks.limb",
+            "load_attack": "mgjax.avoidance.attacks.json_file",
+            "load_index": "mgjax.avoidance.index.files",
+            "merge_attacks": "mgjax.avoidance.attacks.merge",
+            "Planner": "mgjax.avoidance.play.planner",
+            "save_index": "mgjax.avoidance.index.files",
+            "select": "mgjax.avoidance.choice.selection",
+            "select_batch": "mgjax.avoidance.many.attacks",
+            "Selection": "mgjax.avoidance.choice.selection",
+            "SpeedConfig": "mgjax.avoidance.config",
+            "sweep_energies": "mgjax.avoidance.many.settings",
+            "Swept": "mgjax.avoidance.many.settings",
+            "TimeWarp": "mgjax.avoidance.timing.time_warp",
+            "SphereTrajectory": "mgjax.avoidance.checks.written",
+            "warm_up": "mgjax.avoidance.choice.compile_ahead",
+        },
+    )

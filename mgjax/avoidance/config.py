@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Literal
 from weakref import WeakValueDictionary
 
 from mgjax.core.errors import ConfigError
+from mgjax.core.traced import Number
 
 BALL_RADIUS_M = 0.12
 """Of a ball where nothing else is said."""
@@ -21,10 +22,6 @@ DIRECTIONS = 16
 """How many directions they come from, all around."""
 NODES = 256
 """At how many nodes of the graph."""
-
-Number: TypeAlias = Any
-"""A Python float, or a jax scalar: settings that are traced, so that sweeps and gradients go
-through them without a new compilation."""
 
 
 @dataclass(frozen=True, kw_only=True)

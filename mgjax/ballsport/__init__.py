@@ -5,49 +5,122 @@ After Choi, Kim, Kim and Kang, *Generating a Ball Sport Scene in a Virtual Envir
 
 from __future__ import annotations
 
-import importlib
-from typing import Any
+from typing import TYPE_CHECKING
 
-_HOMES: dict[str, str] = {
-    "Aim": "mgjax.ballsport.aiming.solve",
-    "AnalysisConfig": "mgjax.ballsport.config",
-    "BallPhysics": "mgjax.ballsport.ball.physics",
-    "ClipSet": "mgjax.ballsport.clipset.build",
-    "ClipSetConfig": "mgjax.ballsport.config",
-    "HitChoice": "mgjax.ballsport.aiming.hit_frame",
-    "HitStream": "mgjax.ballsport.hits.stream",
-    "LiveAnalysis": "mgjax.ballsport.hits.bones",
-    "LiveDriver": "mgjax.ballsport.live.recogniser",
-    "MatchConfig": "mgjax.ballsport.config",
-    "Matcher": "mgjax.ballsport.clipset.match",
-    "Rally": "mgjax.ballsport.scene.rally",
-    "SceneConfig": "mgjax.ballsport.scene.config",
-    "build_scene": "mgjax.ballsport.scene.build",
-    "prepare_scene": "mgjax.ballsport.scene.build",
-    "Net": "mgjax.ballsport.ball.physics",
-    "PassDecision": "mgjax.ballsport.live.recogniser",
-    "ReplayConfig": "mgjax.sensor.config",
-    "SensorChoice": "mgjax.ballsport.live.choice",
-    "SensorReceiver": "mgjax.sensor.receiver",
-    "TransitionConfig": "mgjax.ballsport.config",
-    "aim": "mgjax.ballsport.aiming.passes",
-    "aim_batch": "mgjax.ballsport.aiming.passes",
-    "analyse": "mgjax.ballsport.hits.bones",
-    "ball_states": "mgjax.ballsport.ball.trajectory",
-    "build_clip_set": "mgjax.ballsport.clipset.build",
-    "choose_frame": "mgjax.ballsport.aiming.hit_frame",
-    "contact_times": "mgjax.ballsport.ball.trajectory",
-    "find_hits": "mgjax.ballsport.hits.detect",
-    "find_transitions": "mgjax.ballsport.clipset.transition",
-    "fly": "mgjax.ballsport.ball.trajectory",
-    "join": "mgjax.ballsport.clipset.joining",
-    "motion_vector": "mgjax.ballsport.hits.motion_vectors",
-    "replay": "mgjax.sensor.replay",
-}
-__all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
+from mgjax._lazy import attach
 
-
-def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        return getattr(importlib.import_module(_HOMES[name]), name)
-    raise AttributeError(f"module 'mgjax.ballsport' has no attribute {name!r}")
+if TYPE_CHECKING:
+    from mgjax.ballsport.aiming.hit_frame import HitChoice as HitChoice
+    from mgjax.ballsport.aiming.hit_frame import choose_frame as choose_frame
+    from mgjax.ballsport.aiming.passes import aim as aim
+    from mgjax.ballsport.aiming.passes import aim_batch as aim_batch
+    from mgjax.ballsport.aiming.solve import Aim as Aim
+    from mgjax.ballsport.ball.physics import BallPhysics as BallPhysics
+    from mgjax.ballsport.ball.physics import Net as Net
+    from mgjax.ballsport.ball.trajectory import ball_states as ball_states
+    from mgjax.ballsport.ball.trajectory import contact_times as contact_times
+    from mgjax.ballsport.ball.trajectory import fly as fly
+    from mgjax.ballsport.clipset.ball_contact import Contacts as Contacts
+    from mgjax.ballsport.clipset.build import ClipSet as ClipSet
+    from mgjax.ballsport.clipset.build import build_clip_set as build_clip_set
+    from mgjax.ballsport.clipset.joining import Joined as Joined
+    from mgjax.ballsport.clipset.joining import join as join
+    from mgjax.ballsport.clipset.match import Match as Match
+    from mgjax.ballsport.clipset.match import Matcher as Matcher
+    from mgjax.ballsport.clipset.repertoire import Repertoire as Repertoire
+    from mgjax.ballsport.clipset.transition import TransitionTable as TransitionTable
+    from mgjax.ballsport.clipset.transition import find_transitions as find_transitions
+    from mgjax.ballsport.config import AnalysisConfig as AnalysisConfig
+    from mgjax.ballsport.config import ClipSetConfig as ClipSetConfig
+    from mgjax.ballsport.config import KindConfig as KindConfig
+    from mgjax.ballsport.config import MatchConfig as MatchConfig
+    from mgjax.ballsport.config import TransitionConfig as TransitionConfig
+    from mgjax.ballsport.hits.bones import BoneHit as BoneHit
+    from mgjax.ballsport.hits.bones import LiveAnalysis as LiveAnalysis
+    from mgjax.ballsport.hits.bones import analyse as analyse
+    from mgjax.ballsport.hits.detect import Hit as Hit
+    from mgjax.ballsport.hits.detect import find_hits as find_hits
+    from mgjax.ballsport.hits.motion_vectors import MotionVectors as MotionVectors
+    from mgjax.ballsport.hits.motion_vectors import motion_vector as motion_vector
+    from mgjax.ballsport.hits.stream import HitStream as HitStream
+    from mgjax.ballsport.live.choice import SensorChoice as SensorChoice
+    from mgjax.ballsport.live.recogniser import LiveDriver as LiveDriver
+    from mgjax.ballsport.live.recogniser import PassDecision as PassDecision
+    from mgjax.ballsport.scene.ball_track import BallEvent as BallEvent
+    from mgjax.ballsport.scene.ball_track import BallTrack as BallTrack
+    from mgjax.ballsport.scene.build import Scene as Scene
+    from mgjax.ballsport.scene.build import build_scene as build_scene
+    from mgjax.ballsport.scene.build import prepare_scene as prepare_scene
+    from mgjax.ballsport.scene.config import Pass as Pass
+    from mgjax.ballsport.scene.config import Player as Player
+    from mgjax.ballsport.scene.config import SceneConfig as SceneConfig
+    from mgjax.ballsport.scene.kick import Kick as Kick
+    from mgjax.ballsport.scene.rally import Rally as Rally
+    from mgjax.ballsport.scene.types import BallFlight as BallFlight
+    from mgjax.ballsport.scene.types import Touch as Touch
+    from mgjax.sensor.config import ReplayConfig as ReplayConfig
+    from mgjax.sensor.frames import Counts as Counts
+    from mgjax.sensor.frames import SensorFrame as SensorFrame
+    from mgjax.sensor.receiver import SensorReceiver as SensorReceiver
+    from mgjax.sensor.replay import Replayed as Replayed
+    from mgjax.sensor.replay import replay as replay
+else:
+    __getattr__, __dir__, __all__ = attach(
+        __name__,
+        {
+            "Aim": "mgjax.ballsport.aiming.solve",
+            "aim": "mgjax.ballsport.aiming.passes",
+            "aim_batch": "mgjax.ballsport.aiming.passes",
+            "analyse": "mgjax.ballsport.hits.bones",
+            "AnalysisConfig": "mgjax.ballsport.config",
+            "ball_states": "mgjax.ballsport.ball.trajectory",
+            "BallPhysics": "mgjax.ballsport.ball.physics",
+            "BallTrack": "mgjax.ballsport.scene.ball_track",
+            "BoneHit": "mgjax.ballsport.hits.bones",
+            "build_clip_set": "mgjax.ballsport.clipset.build",
+            "build_scene": "mgjax.ballsport.scene.build",
+            "choose_frame": "mgjax.ballsport.aiming.hit_frame",
+            "ClipSet": "mgjax.ballsport.clipset.build",
+            "ClipSetConfig": "mgjax.ballsport.config",
+            "contact_times": "mgjax.ballsport.ball.trajectory",
+            "Contacts": "mgjax.ballsport.clipset.ball_contact",
+            "Counts": "mgjax.sensor.frames",
+            "BallEvent": "mgjax.ballsport.scene.ball_track",
+            "find_hits": "mgjax.ballsport.hits.detect",
+            "find_transitions": "mgjax.ballsport.clipset.transition",
+            "fly": "mgjax.ballsport.ball.trajectory",
+            "Hit": "mgjax.ballsport.hits.detect",
+            "HitChoice": "mgjax.ballsport.aiming.hit_frame",
+            "HitStream": "mgjax.ballsport.hits.stream",
+            "join": "mgjax.ballsport.clipset.joining",
+            "Joined": "mgjax.ballsport.clipset.joining",
+            "Kick": "mgjax.ballsport.scene.kick",
+            "KindConfig": "mgjax.ballsport.config",
+            "BallFlight": "mgjax.ballsport.scene.types",
+            "LiveAnalysis": "mgjax.ballsport.hits.bones",
+            "LiveDriver": "mgjax.ballsport.live.recogniser",
+            "Match": "mgjax.ballsport.clipset.match",
+            "MatchConfig": "mgjax.ballsport.config",
+            "Matcher": "mgjax.ballsport.clipset.match",
+            "motion_vector": "mgjax.ballsport.hits.motion_vectors",
+            "MotionVectors": "mgjax.ballsport.hits.motion_vectors",
+            "Net": "mgjax.ballsport.ball.physics",
+            "Pass": "mgjax.ballsport.scene.config",
+            "PassDecision": "mgjax.ballsport.live.recogniser",
+            "Player": "mgjax.ballsport.scene.config",
+            "prepare_scene": "mgjax.ballsport.scene.build",
+            "Rally": "mgjax.ballsport.scene.rally",
+            "Repertoire": "mgjax.ballsport.clipset.repertoire",
+            "replay": "mgjax.sensor.replay",
+            "ReplayConfig": "mgjax.sensor.config",
+            "Replayed": "mgjax.sensor.replay",
+            "Scene": "mgjax.ballsport.scene.build",
+            "SceneConfig": "mgjax.ballsport.scene.config",
+            "SensorChoice": "mgjax.ballsport.live.choice",
+            "SensorFrame": "mgjax.sensor.frames",
+            "SensorReceiver": "mgjax.sensor.receiver",
+            "Touch": "mgjax.ballsport.scene.types",
+            "TransitionConfig": "mgjax.ballsport.config",
+            "TransitionTable": "mgjax.ballsport.clipset.transition",
+        },
+    )

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import Any
+from typing import TYPE_CHECKING
 
-_HOMES = {
-    "Clip": "mgjax.clips.types",
-    "Label": "mgjax.clips.types",
-    "load_labels": "mgjax.clips.labels",
-    "load_clips": "mgjax.clips.folder",
-    "synthetic_clips": "mgjax.clips.synthetic",
-}
-__all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
+from mgjax._lazy import attach
 
-
-def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        return getattr(importlib.import_module(_HOMES[name]), name)
-    raise AttributeError(f"module 'mgjax.clips' has no attribute {name!r}")
+if TYPE_CHECKING:
+    from mgjax.clips.folder import load_clips as load_clips
+    from mgjax.clips.labels import load_labels as load_labels
+    from mgjax.clips.synthetic import synthetic_clips as synthetic_clips
+    from mgjax.clips.types import Clip as Clip
+    from mgjax.clips.types import Label as Label
+else:
+    __getattr__, __dir__, __all__ = attach(
+        __name__,
+        {
+            "Clip": "mgjax.clips.types",
+            "Label": "mgjax.clips.types",
+            "load_clips": "mgjax.clips.folder",
+            "load_labels": "mgjax.clips.labels",
+            "synthetic_clips": "mgjax.clips.synthetic",
+        },
+    )

@@ -36,8 +36,8 @@ def load_clips(
     folder = Path(folder)
     if not folder.is_dir():
         raise MotionError(f"{folder}: got no such folder, expected a folder of clips")
-    found = [p for p in folder.rglob("*") if p.suffix.lower() in SUFFIXES and p.is_file()]
-    names = sorted(p.relative_to(folder).as_posix() for p in found)
+    files = [p for p in folder.rglob("*") if p.suffix.lower() in SUFFIXES and p.is_file()]
+    names = sorted(p.relative_to(folder).as_posix() for p in files)
     names = [n for n in names if not any(fnmatch(n, pattern) for pattern in exclude)]
     if not names:
         raise MotionError(f"{folder}: got no clip, expected {' or '.join(SUFFIXES)} files")

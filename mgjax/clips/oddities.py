@@ -49,7 +49,7 @@ def find_oddities(skeleton: Skeleton, motion: Motion) -> tuple[Oddity, ...]:
     """All oddities of a motion, in the order of the kinds above; at most ten jumps one by one."""
     positions = np.asarray(global_positions(skeleton, motion))
     steps = _steps(positions)
-    found: list[Oddity] = []
+    oddities: list[Oddity] = []
     t_pose = _t_pose(skeleton, motion, steps)
     if t_pose:
         clean = _clean(steps, motion.frame_rate)
@@ -57,26 +57,21 @@ def find_oddities(skeleton: Skeleton, motion: Motion) -> tuple[Oddity, ...]:
             f"frame 0 is the rest pose and {steps[0].max():.2f} m away from frame 1;"
             f" frame {clean} is the first without a trace of it"
         )
-        found.append(Oddity("t_pose_first_frame", 0, text))
-    found += _jumps(skeleton, steps, motion.frame_rate, t_pose)
-    found += _feet(skeleton, positions)
-    found += _bones(skeleton, motion)
-    return tuple(found)
+        oddities.append(Oddity("t_pose_first_frame", 0, text))
+    oddities += _jumps(skeleton, steps, motion.frame_rate, t_pose)
+    oddities += _feet(skeleton, positions)
+    oddities += _bones(skeleton, motion)
+    return tuple(oddities)
 
 
 def jump_frames(skeleton: Skeleton, motion: Motion) -> np.ndarray:
     """Frames f such that the motion jumps between f − 1 and f, in rising order.
 
     A jump is a joint faster than 25 m/s and by at least 0.15 m. The step out of a T-pose in frame 0
-    is not one of them; see :func:`starts_with_t_pose`.
+    is not one of them; see :func:`first_clean_frame`.
     """
     steps = _steps(np.asarray(global_positions(skeleton, motion)))
     return _jump_frames(steps, motion.frame_rate, _t_pose(skeleton, motion, steps))
-
-
-def starts_with_t_pose(skeleton: Skeleton, motion: Motion) -> bool:
-    """Whether frame 0 is the rest pose and the rest of the motion does not continue it."""
-    return _t_pose(skeleton, motion, _steps(np.asarray(global_positions(skeleton, motion))))
 
 
 def first_clean_frame(skeleton: Skeleton, motion: Motion) -> int:
@@ -124,7 +119,7 @@ def _jump_frames(steps: np.ndarray, frame_rate: float, t_pose: bool) -> np.ndarr
 
 def _jumps(skeleton: Skeleton, steps: np.ndarray, frame_rate: float, t_pose: bool) -> list[Oddity]:
     frames = _jump_frames(steps, frame_rate, t_pose)
-    found: list[Oddity] = []
+    oddities: list[Oddity] = []
     for frame in frames[:_MOST]:
         joint = int(np.argmax(steps[frame - 1]))
         step = float(steps[frame - 1, joint])
@@ -132,11 +127,11 @@ def _jumps(skeleton: Skeleton, steps: np.ndarray, frame_rate: float, t_pose: boo
             f"{skeleton.names[joint]} moves {step:.2f} m from frame {frame - 1} to frame {frame}"
             f" ({step * frame_rate:.0f} m/s)"
         )
-        found.append(Oddity("jump", int(frame), text))
+        oddities.append(Oddity("jump", int(frame), text))
     if len(frames) > _MOST:
         text = f"{len(frames) - _MOST} more jumps, the last to frame {frames[-1]}"
-        found.append(Oddity("jump", int(frames[_MOST]), text))
-    return found
+        oddities.append(Oddity("jump", int(frames[_MOST]), text))
+    return oddities
 
 
 def _feet(skeleton: Skeleton, positions: np.ndarray) -> list[Oddity]:
@@ -164,16 +159,16 @@ def _foot_points(skeleton: Skeleton) -> list[int]:
 
 
 def _bones(skeleton: Skeleton, motion: Motion) -> list[Oddity]:
-    found: list[Oddity] = []
+    oddities: list[Oddity] = []
     flat = np.flatnonzero((np.asarray(skeleton.offsets)[1:] == 0).all(axis=1)) + 1
     if flat.size:
         text = f"{_count(flat)} zero offset: {_list(skeleton, flat)}"
-        found.append(Oddity("zero_offsets", None, text))
+        oddities.append(Oddity("zero_offsets", None, text))
     if motion.joint_offsets is not None:
         moving = np.flatnonzero((np.ptp(np.asarray(motion.joint_offsets), axis=0) > 1e-6).any(1))
         text = f"{_count(moving)} no fixed place in the parent's frame: {_list(skeleton, moving)}"
-        found.append(Oddity("moving_bones", None, text))
-    return found
+        oddities.append(Oddity("moving_bones", None, text))
+    return oddities
 
 
 def _count(joints: np.ndarray) -> str:

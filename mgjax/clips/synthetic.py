@@ -221,8 +221,8 @@ def _couple_gait(
 ) -> None:
     """Pelvis, chest and arms answer the legs: arms swing against them, the torso counter-twists."""
     sin, cos = np.sin(base[:, 0]), np.cos(base[:, 0])
-    apart = feet[0].ball - feet[1].ball
-    ahead = smooth(apart[:, 0] * sin + apart[:, 2] * cos, 0.06)
+    gap = feet[0].ball - feet[1].ball
+    ahead = smooth(gap[:, 0] * sin + gap[:, 2] * cos, 0.06)
     c["yaw"] -= 0.16 * ahead
     c["twist"] += 0.3 * ahead
     for side, sign in (("l", -1), ("r", 1)):

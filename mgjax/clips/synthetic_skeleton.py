@@ -202,8 +202,8 @@ def _pose_torso(put: Put, root: Array, gaze: Array, c: Mapping[str, Array]) -> N
         chest = quaternion.multiply(chest, turn)
     steady = quaternion.slerp(chest, quaternion.from_yaw(gaze), np.array(_HEAD_STEADY))
     wanted = quaternion.multiply(steady, _yxz(c["look"], c["nod"], -c["tilt"]))
-    whole = quaternion.multiply(quaternion.conjugate(chest), wanted)
-    third = quaternion.slerp(np.array([1.0, 0.0, 0.0, 0.0]), whole, np.array(1 / 3))
+    turn = quaternion.multiply(quaternion.conjugate(chest), wanted)
+    third = quaternion.slerp(np.array([1.0, 0.0, 0.0, 0.0]), turn, np.array(1 / 3))
     for name in ("lowerneck", "upperneck", "head"):
         put(name, third)
 

@@ -17,14 +17,14 @@ def foot_joints(skeleton: Skeleton) -> tuple[int, int]:
 
     Where a foot has no toe joint, the end of the foot; where it has no end, the ankle.
     """
-    found: list[int] = []
+    joints: list[int] = []
     for side in ("left", "right"):
         toe = find_role(skeleton, f"{side}_toe")
         if toe is None:
             (toe,) = require_roles(skeleton, (f"{side}_ankle",))
             toe = next((j for j in skeleton.end_joints if skeleton.parents[j] == toe), toe)
-        found.append(toe)
-    return found[0], found[1]
+        joints.append(toe)
+    return joints[0], joints[1]
 
 
 def planted(

@@ -112,7 +112,7 @@ def sample(motion: Motion, frames: Float[Array, " T"]) -> Motion:
 
 
 def resample(motion: Motion, frame_rate: float) -> Motion:
-    """The same motion at another rate; where the old rate is a multiple, frames are picked.
+    """A motion at another rate; where the old rate is a multiple of it, frames are picked.
 
     The result has the frames at 0, 1/rate, 2/rate, … up to the last captured frame.
     """

@@ -173,13 +173,13 @@ def find_role(skeleton: Skeleton, role: str) -> int | None:
 
 def require_roles(skeleton: Skeleton, roles: Sequence[str]) -> tuple[int, ...]:
     """Joint indices of all ``roles``; :class:`SkeletonError` names the first that is missing."""
-    found: list[int] = []
+    joints: list[int] = []
     for role in roles:
         joint = find_role(skeleton, role)
         if joint is None:
             raise SkeletonError(f"found no joint for {role!r} among {', '.join(skeleton.names)}")
-        found.append(joint)
-    return tuple(found)
+        joints.append(joint)
+    return tuple(joints)
 
 
 def mirror_joints(skeleton: Skeleton) -> tuple[int, ...]:

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import Any
+from typing import TYPE_CHECKING
 
-_HOMES = {
-    "GraphConfig": "mgjax.graph.config",
-    "MotionGraph": "mgjax.graph.types",
-    "build_graph": "mgjax.graph.build",
-    "distance_matrix": "mgjax.graph.distance",
-    "load_graph": "mgjax.graph.files",
-    "save_graph": "mgjax.graph.files",
-    "unroll": "mgjax.graph.walk",
-}
-__all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
+from mgjax._lazy import attach
 
-
-def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        return getattr(importlib.import_module(_HOMES[name]), name)
-    raise AttributeError(f"module 'mgjax.graph' has no attribute {name!r}")
+if TYPE_CHECKING:
+    from mgjax.graph.build import build_graph as build_graph
+    from mgjax.graph.config import GraphConfig as GraphConfig
+    from mgjax.graph.distance import distance_matrix as distance_matrix
+    from mgjax.graph.files import load_graph as load_graph
+    from mgjax.graph.files import save_graph as save_graph
+    from mgjax.graph.types import MotionGraph as MotionGraph
+    from mgjax.graph.walk import Walk as Walk
+    from mgjax.graph.walk import unroll as unroll
+else:
+    __getattr__, __dir__, __all__ = attach(
+        __name__,
+        {
+            "build_graph": "mgjax.graph.build",
+            "distance_matrix": "mgjax.graph.distance",
+            "GraphConfig": "mgjax.graph.config",
+            "load_graph": "mgjax.graph.files",
+            "MotionGraph": "mgjax.graph.types",
+            "save_graph": "mgjax.graph.files",
+            "unroll": "mgjax.graph.walk",
+            "Walk": "mgjax.graph.walk",
+        },
+    )

@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 
 from mgjax.core.kinematics import planar_frames
-from mgjax.graph.axis import Axis
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.prune import (
     Candidates,
 )
+from mgjax.graph.timeline import ClipTimeline
 from mgjax.graph.types import NO_CLIP, MotionGraph
 
 
 def assemble(
-    axis: Axis,
+    timeline: ClipTimeline,
     candidates: Candidates,
     kept: np.ndarray,
     blended: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
@@ -28,9 +28,9 @@ def assemble(
     roots, rotations, transforms, slides = blended
     leave, arrive = candidates.leave[kept], candidates.arrive[kept]
     frames = np.unique(np.concatenate([leave, arrive]))
-    clip = np.searchsorted(axis.starts, frames, side="right") - 1
+    clip = np.searchsorted(timeline.starts, frames, side="right") - 1
     along = np.flatnonzero(clip[1:] == clip[:-1])
-    first = len(axis.root) + np.arange(len(kept)) * (window + 1)
+    first = len(timeline.root) + np.arange(len(kept)) * (window + 1)
     source = np.concatenate([along, np.searchsorted(frames, leave)])
     target = np.concatenate([along + 1, np.searchsorted(frames, arrive)])
     edge_starts = np.concatenate([frames[along], first])
@@ -41,14 +41,14 @@ def assemble(
     order = np.argsort(source, kind="stable")
     out_first = np.concatenate([[0], np.cumsum(np.bincount(source, minlength=len(frames)))])
     # A label belongs to the one piece of a clip that holds it whole.
-    at = np.searchsorted(edge_starts[: len(along)], axis.label_starts, side="right") - 1
-    holds = (at >= 0) & (axis.label_stops <= edge_stops[np.maximum(at, 0)])
+    at = np.searchsorted(edge_starts[: len(along)], timeline.label_starts, side="right") - 1
+    holds = (at >= 0) & (timeline.label_stops <= edge_stops[np.maximum(at, 0)])
     inside = np.flatnonzero(holds)
-    genuine = np.array([label.genuine for label in axis.labels], dtype=bool)
-    middle = (axis.label_starts + axis.label_stops) / 2 - edge_starts[np.maximum(at, 0)]
+    genuine = np.array([label.genuine for label in timeline.labels], dtype=bool)
+    middle = (timeline.label_starts + timeline.label_stops) / 2 - edge_starts[np.maximum(at, 0)]
     enterable = holds & (middle <= config.horizon_s * config.frame_rate)
     report.update(
-        frames=int((axis.stops - axis.starts).sum()),
+        frames=int((timeline.stops - timeline.starts).sum()),
         transitions=len(kept),
         nodes=len(frames),
         edges=len(source),
@@ -60,18 +60,18 @@ def assemble(
         foot_slide_before=float(slides[:, 0].mean()),
         foot_slide_after=float(slides[:, 1].mean()),
     )
-    node_plane = planar_frames(axis.skeleton, axis.positions[frames])
+    node_plane = planar_frames(timeline.skeleton, timeline.positions[frames])
     return MotionGraph(
-        skeleton=axis.skeleton,
+        skeleton=timeline.skeleton,
         frame_rate=config.frame_rate,
         window=window,
-        root_translation=np.concatenate([axis.root, roots.reshape(-1, 3)]).astype(np.float32),
+        root_translation=np.concatenate([timeline.root, roots.reshape(-1, 3)]).astype(np.float32),
         local_rotations=np.concatenate(
-            [axis.rotations, rotations.reshape(-1, *rotations.shape[2:])]
+            [timeline.rotations, rotations.reshape(-1, *rotations.shape[2:])]
         ).astype(np.float32),
-        clip_names=tuple(c.name for c in axis.clips),
-        clip_starts=axis.starts,
-        clip_stops=axis.stops,
+        clip_names=tuple(c.name for c in timeline.clips),
+        clip_starts=timeline.starts,
+        clip_stops=timeline.stops,
         node_frame=frames,
         node_clip=clip,
         node_plane=np.asarray(node_plane, dtype=np.float32),
@@ -85,10 +85,10 @@ def assemble(
         out_first=out_first,
         out_edges=order,
         label_edge=at[inside],
-        label_starts=axis.label_starts[inside],
-        label_stops=axis.label_stops[inside],
-        label_kind=tuple(axis.labels[i].kind for i in inside),
-        label_direction=tuple(axis.labels[i].direction for i in inside),
+        label_starts=timeline.label_starts[inside],
+        label_stops=timeline.label_stops[inside],
+        label_kind=tuple(timeline.labels[i].kind for i in inside),
+        label_direction=tuple(timeline.labels[i].direction for i in inside),
         label_genuine=genuine[inside],
         report=report,
     )

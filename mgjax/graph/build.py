@@ -19,8 +19,7 @@ from mgjax.core.errors import ConfigError, GraphError, SkeletonError
 from mgjax.core.motion import Motion, validate_motion
 from mgjax.core.skeleton import Skeleton, require_roles, validate_skeleton
 from mgjax.graph.assemble import assemble
-from mgjax.graph.axis import Axis, lay_out
-from mgjax.graph.config import GraphConfig
+from mgjax.graph.config import GraphConfig, validate_graph_config
 from mgjax.graph.distance import normalised_weights
 from mgjax.graph.feet import foot_chains
 from mgjax.graph.minima import Minima, find_minima
@@ -30,6 +29,7 @@ from mgjax.graph.prune import (
     largest_component,
     smallest_useful_threshold,
 )
+from mgjax.graph.timeline import ClipTimeline, make_timeline
 from mgjax.graph.transition import build_transitions
 from mgjax.graph.types import MotionGraph
 
@@ -72,26 +72,26 @@ def build_graph(
         GraphError: nothing is left, or the automatic threshold does not exist; says what would do.
     """
     config = config or GraphConfig()
-    _validate(config)
+    validate_graph_config(config)
     named = as_clips(clips)
     if not named:
         raise GraphError("got no clips, expected at least one")
     for clip in named:
         validate_skeleton(clip.skeleton)
         validate_motion(clip.skeleton, clip.motion)
-    given: Labels = {name: tuple(items) for name, items in (labels or {}).items()}
-    validate_labels(given, named)
+    by_clip: Labels = {name: tuple(items) for name, items in (labels or {}).items()}
+    validate_labels(by_clip, named)
     watch = _Stopwatch()
     with watch.step("prepare"):
-        axis, notes = lay_out(named, given, skeleton or named[0].skeleton, config)
+        timeline, notes = make_timeline(named, by_clip, skeleton or named[0].skeleton, config)
     window = max(1, round(config.window_s * config.frame_rate))
-    weights = joint_weights(axis.skeleton, config.weights)
+    weights = joint_weights(timeline.skeleton, config.weights)
 
     def search(limit: float) -> Minima:
         return find_minima(
-            axis.positions,
-            axis.starts,
-            axis.stops,
+            timeline.positions,
+            timeline.starts,
+            timeline.stops,
             weights,
             window=window,
             neighbourhood=config.neighbourhood,
@@ -102,27 +102,27 @@ def build_graph(
     with watch.step("distance"):
         minima = search(_search_limit(config))
     with watch.step("prune"):
-        candidates, rows, columns = _candidates(axis, minima, window, config)
+        candidates, rows, columns = _candidates(timeline, minima, window, config)
         threshold = _threshold(candidates, minima.largest, config)
         count = int(np.searchsorted(candidates.distances, threshold, side="left"))
         component = largest_component(candidates, count)
         if not component.frames:
-            beyond = _candidates(axis, search(float("inf")), window, config)[0]
+            beyond = _candidates(timeline, search(float("inf")), window, config)[0]
             raise _nothing_left(beyond, threshold, minima.largest, config)
     with watch.step("transitions"):
         chains = None
         if config.clean_feet:
             try:
-                chains = foot_chains(axis.skeleton)
+                chains = foot_chains(timeline.skeleton)
             except SkeletonError as error:
                 notes.append(f"feet not cleaned: {error}")
         kept = np.flatnonzero(component.kept)
         blended = build_transitions(
-            axis.skeleton,
-            axis.root,
-            axis.rotations,
-            axis.positions,
-            axis.plants,
+            timeline.skeleton,
+            timeline.root,
+            timeline.rotations,
+            timeline.positions,
+            timeline.plants,
             chains,
             rows[kept],
             columns[kept],
@@ -130,37 +130,18 @@ def build_graph(
             window,
         )
     report: dict[str, Any] = {
-        "clips": len(axis.clips),
-        "seconds_of_clips": float((axis.stops - axis.starts).sum() / config.frame_rate),
+        "clips": len(timeline.clips),
+        "seconds_of_clips": float((timeline.stops - timeline.starts).sum() / config.frame_rate),
         "threshold_m": float(threshold),
         "minima": len(minima.rows),
         "candidates": len(candidates.leave),
-        "labels_total": sum(len(items) for items in given.values()) * (2 if config.mirror else 1),
+        "labels_total": sum(len(items) for items in by_clip.values()) * (2 if config.mirror else 1),
         "notes": notes,
     }
     with watch.step("assemble"):
-        graph = assemble(axis, candidates, kept, blended, window, config, report)
+        graph = assemble(timeline, candidates, kept, blended, window, config, report)
     report["seconds"] = {k: round(v, 4) for k, v in watch.seconds.items()}
     return graph
-
-
-def _validate(config: GraphConfig) -> None:
-    checks = {
-        "frame_rate": 1 <= config.frame_rate <= 1000,
-        "window_s": 0 < config.window_s <= 10,
-        "neighbourhood": 1 <= config.neighbourhood <= 50,
-        "self_gap_s": 0 <= config.self_gap_s < np.inf,
-        "threshold_m": config.threshold_m is None or 0 < config.threshold_m < np.inf,
-        "normalised": config.normalised is None or 0 < config.normalised <= 1,
-        "keep": 0 <= config.keep <= 1,
-        "max_threshold_m": 0 < config.max_threshold_m <= 10,
-        "horizon_s": config.horizon_s > 0,
-    }
-    for name, ok in checks.items():
-        if not ok:
-            raise ConfigError(f"{name} = {getattr(config, name)!r} is out of range")
-    if config.threshold_m is not None and config.normalised is not None:
-        raise ConfigError("got both threshold_m and normalised, expected at most one")
 
 
 def joint_weights(skeleton: Skeleton, weights: str | dict[str, float]) -> np.ndarray:
@@ -211,30 +192,30 @@ def _nothing_left(
 
 
 def _candidates(
-    axis: Axis, minima: Minima, window: int, config: GraphConfig
+    timeline: ClipTimeline, minima: Minima, window: int, config: GraphConfig
 ) -> tuple[Candidates, np.ndarray, np.ndarray]:
     """Minima that may become transitions, and the first frames of their windows."""
     rows, columns = minima.rows, minima.columns
-    clip_of = np.searchsorted(axis.starts, np.arange(len(axis.root)), side="right") - 1
+    clip_of = np.searchsorted(timeline.starts, np.arange(len(timeline.root)), side="right") - 1
     gap = round(config.self_gap_s * config.frame_rate)
     near = (clip_of[rows] == clip_of[columns]) & (np.abs(rows - columns) < gap)
     # The frame before the blend and the one after it must be there.
-    before = rows > axis.starts[clip_of[rows]]
-    after = columns + window < axis.stops[clip_of[columns]]
-    marked = np.zeros(len(axis.root) + 1, dtype=np.int64)
-    for start, stop in zip(axis.label_starts, axis.label_stops, strict=True):
+    before = rows > timeline.starts[clip_of[rows]]
+    after = columns + window < timeline.stops[clip_of[columns]]
+    marked = np.zeros(len(timeline.root) + 1, dtype=np.int64)
+    for start, stop in zip(timeline.label_starts, timeline.label_stops, strict=True):
         marked[start + 1 : stop + 1] = 1
     total = np.cumsum(marked)
-    free = [total[np.minimum(x + window, len(axis.root))] == total[x] for x in (rows, columns)]
+    free = [total[np.minimum(x + window, len(timeline.root))] == total[x] for x in (rows, columns)]
     ok = ~near & before & after & free[0] & free[1]
     candidates = Candidates(
         leave=rows[ok],
         arrive=columns[ok] + window,
         distances=minima.distances[ok],
-        starts=axis.starts,
-        stops=axis.stops,
-        label_starts=axis.label_starts,
-        label_stops=axis.label_stops,
+        starts=timeline.starts,
+        stops=timeline.stops,
+        label_starts=timeline.label_starts,
+        label_stops=timeline.label_stops,
     )
     return candidates, rows[ok], columns[ok]
 

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Any
+
+from mgjax.core.errors import ConfigError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,3 +43,36 @@ class GraphConfig:
     mirror: bool = False
     clean_feet: bool = True
     horizon_s: float = 2.0
+
+
+_RANGES: dict[str, tuple[float, float]] = {
+    "frame_rate": (1.0, 1000.0),
+    "window_s": (1e-6, 10.0),
+    "neighbourhood": (1, 50),
+    "self_gap_s": (0.0, 1e9),
+    "threshold_m": (1e-9, 1e9),
+    "normalised": (1e-9, 1.0),
+    "keep": (0.0, 1.0),
+    "max_threshold_m": (1e-9, 10.0),
+    "horizon_s": (1e-6, math.inf),
+}
+"""Smallest and largest value of each setting that is a number."""
+_OPTIONAL = ("threshold_m", "normalised")
+
+
+def validate_graph_config(config: GraphConfig) -> None:
+    """Raises :class:`ConfigError` naming the first setting that is out of range."""
+    for name, (low, high) in _RANGES.items():
+        value = getattr(config, name)
+        if name in _OPTIONAL and value is None:
+            continue
+        number: Any = value
+        try:
+            ok = not isinstance(value, bool | str) and low <= float(number) <= high
+        except (TypeError, ValueError):
+            ok = False
+        if not ok:
+            top = f" … {high:g}" if high < math.inf else " or more"
+            raise ConfigError(got=f"{name} = {value!r}", expected=f"{low:g}{top}")
+    if config.threshold_m is not None and config.normalised is not None:
+        raise ConfigError(got="both threshold_m and normalised", expected="at most one")

@@ -69,15 +69,15 @@ def _tile(
     squared = jnp.where(ok, jnp.maximum(squared, 0.0), jnp.inf)
     inner = slice(reach, reach + TILE)
     centre = squared[inner, inner]
-    found = centre < threshold**2
+    minima = centre < threshold**2
     for i in range(-reach, reach + 1):
         for j in range(-reach, reach + 1):
             other = squared[reach + i : reach + i + TILE, reach + j : reach + j + TILE]
             if (i, j) < (0, 0):
-                found &= centre < other  # a tie goes to the lower (row, column)
+                minima &= centre < other  # a tie goes to the lower (row, column)
             elif (i, j) > (0, 0):
-                found &= centre <= other
-    return found, squared
+                minima &= centre <= other
+    return minima, squared
 
 
 def find_minima(
@@ -108,7 +108,7 @@ def find_minima(
     features = jax.tree.map(jnp.asarray, features)
     mask = jnp.asarray(pad_axis(valid, len(features.spread), value=0))
     count = -(-(len(valid) - neighbourhood) // TILE)  # as many as the features have room for
-    found: list[tuple[np.ndarray, ...]] = []
+    minima: list[tuple[np.ndarray, ...]] = []
     largest = 0.0
     tiles = [(i * TILE, j * TILE) for i in range(count) for j in range(count)]
     bar = tqdm(tiles, desc="distances", unit="tile", disable=not progress, leave=False)
@@ -128,8 +128,8 @@ def find_minima(
             largest = max(largest, float(squares.max(where=np.isfinite(squares), initial=0.0)))
         r, c = np.nonzero(np.asarray(hits))
         if len(r):
-            found.append((r + row, c + column, squares[r, c]))
-    parts = [np.concatenate(x) for x in zip(*found, strict=True)] if found else [np.zeros(0)] * 3
+            minima.append((r + row, c + column, squares[r, c]))
+    parts = [np.concatenate(x) for x in zip(*minima, strict=True)] if minima else [np.zeros(0)] * 3
     # The axis carries the neighbourhood as a margin in front.
     r, c = (frames[x.astype(np.int64) + neighbourhood] for x in parts[:2])
     distance = np.sqrt(parts[2].astype(np.float64))

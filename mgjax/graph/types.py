@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
 
 NO_CLIP = -1
@@ -88,6 +89,18 @@ class MotionGraph:
     def edge_frames(self) -> Int[np.ndarray, " E"]:
         """Frames that each edge plays."""
         return self.edge_stops - self.edge_starts
+
+    @cached_property
+    def positions(self) -> Float[np.ndarray, "F J 3"]:
+        """Joint positions of all frames, in the coordinates of their clips, m."""
+        return np.asarray(forward(self.skeleton, self.root_translation, self.local_rotations)[0])
+
+    @cached_property
+    def plants(self) -> Bool[np.ndarray, "F 2"]:
+        """In which frames the left and the right foot stand: see :mod:`mgjax.graph.plants`."""
+        from mgjax.graph.plants import planted_frames  # it is written for this class
+
+        return planted_frames(self)
 
     def edges_from(self, node: int) -> Int[np.ndarray, " M"]:
         """The edges that leave a node."""

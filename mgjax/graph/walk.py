@@ -29,8 +29,8 @@ class Walk:
 
     def starts(self, graph: MotionGraph) -> Float[np.ndarray, " L1"]:
         """Seconds at which each edge begins, and at which the walk ends."""
-        lasts = graph.edge_frames[self.edges] / graph.frame_rate * self.scales
-        return np.concatenate([[0.0], np.cumsum(lasts)])
+        durations = graph.edge_frames[self.edges] / graph.frame_rate * self.scales
+        return np.concatenate([[0.0], np.cumsum(durations)])
 
 
 def make_walk(

@@ -9,7 +9,8 @@ import numpy as np
 from mgjax.core import quaternion
 from mgjax.core.errors import FileFormatError
 from mgjax.core.motion import Motion
-from mgjax.io.asf import ROOT, AsfFile
+from mgjax.io.asf import AsfFile
+from mgjax.io.asf_sections import ROOT
 from mgjax.io.text import (
     MAX_PLACE_M,
     check_size,
@@ -34,15 +35,15 @@ def find_asf(amc: str | Path) -> Path:
         if named.is_file():
             return named
         amc.stat()
-        found = sorted(p for p in folder.iterdir() if p.suffix.lower() == ".asf")
+        beside = sorted(p for p in folder.iterdir() if p.suffix.lower() == ".asf")
     except (OSError, ValueError) as error:
         raise FileFormatError(amc, None, reason(error), "a readable AMC file") from None
-    if len(found) != 1:
-        names = ", ".join(p.name for p in found) or "none"
+    if len(beside) != 1:
+        names = ", ".join(p.name for p in beside) or "none"
         raise FileFormatError(
             amc, None, f"{names} beside it", f"{named.name} or a single .asf file"
         )
-    return found[0]
+    return beside[0]
 
 
 def read_amc(path: str | Path, asf: AsfFile, *, frame_rate: float | None = None) -> Motion:

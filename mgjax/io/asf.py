@@ -9,8 +9,7 @@ world directions, as everywhere in this package. Angles apply in the order in wh
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -19,29 +18,21 @@ from mgjax.core import quaternion
 from mgjax.core.arrays import Array
 from mgjax.core.errors import FileFormatError
 from mgjax.core.skeleton import MAX_DEPTH, MAX_OFFSET_M, Skeleton
+from mgjax.io.asf_sections import (
+    ROOT,
+    Bone,
+    Line,
+    bare_lines,
+    read_bones,
+    read_root,
+    read_units,
+    sections,
+)
 from mgjax.io.text import (
-    MAX_PLACE_M,
-    parse_number,
     quoted,
     read_text,
-    split_lines,
 )
 from mgjax.io.units import Unit
-
-ROOT = "root"
-
-Line = tuple[int, list[str]]
-
-
-@dataclass(kw_only=True)
-class _Bone:
-    name: str
-    line: int
-    direction: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    length: float = 0.0
-    axis: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    axis_order: str = "XYZ"
-    dof: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,21 +49,21 @@ class AsfFile:
 
 def read_asf(path: str | Path) -> AsfFile:
     """Reads an ASF skeleton; :class:`FileFormatError` names file and line of what is wrong."""
-    lines = _lines(path, read_text(path, "ASF"))
+    lines = bare_lines(path, read_text(path, "ASF"))
     units = {"length": 1.0, "angle": "deg"}
-    root = _Bone(name=ROOT, line=1)
+    root = Bone(name=ROOT, line=1)
     root.dof = ["tx", "ty", "tz", "rx", "ry", "rz"]
-    bones: dict[str, _Bone] = {}
+    bones: dict[str, Bone] = {}
     tree: list[Line] = []
     seen: set[str] = set()
-    for section, body in _sections(path, lines):
+    for section, body in sections(path, lines):
         seen.add(section)
         if section == "units":
-            _read_units(path, body, units)
+            read_units(path, body, units)
         elif section == "root":
-            _read_root(path, body, root)
+            read_root(path, body, root)
         elif section == "bonedata":
-            bones = _read_bones(path, body)
+            bones = read_bones(path, body)
         elif section == "hierarchy":
             tree = body
     for section in ("root", "bonedata", "hierarchy"):
@@ -83,127 +74,8 @@ def read_asf(path: str | Path) -> AsfFile:
     return _assemble(Path(path), root, bones, tree, unit, str(units["angle"]))
 
 
-def _lines(path: str | Path, text: str) -> list[Line]:
-    found = [(no, s.split("#", 1)[0].split()) for no, s in enumerate(split_lines(text), 1)]
-    found = [(no, words) for no, words in found if words]
-    if not found:
-        raise FileFormatError(path, None, "nothing but comments", "an ASF or AMC file")
-    return found
-
-
-def _sections(path: str | Path, lines: list[Line]) -> Iterator[tuple[str, list[Line]]]:
-    name, body = "", []
-    for no, words in lines:
-        if words[0].startswith(":"):
-            yield name, body
-            name, body = words[0][1:].lower(), []
-        elif not name:
-            raise FileFormatError(path, no, quoted(words[0]), "a section such as :version")
-        else:
-            body.append((no, words))
-    yield name, body
-
-
-def _read_units(path: str | Path, body: list[Line], units: dict) -> None:
-    for no, words in body:
-        key = words[0].lower()
-        if key == "length":
-            units["length"] = parse_number(
-                path, no, _word(path, no, words, 1), "the unit of length"
-            )
-            if not 1e-4 <= units["length"] <= 1e4:
-                got = f"a unit of length of {quoted(words[1])}"
-                raise FileFormatError(path, no, got, "0.0001 … 10000")
-        elif key == "angle":
-            units["angle"] = _word(path, no, words, 1).lower()
-            if units["angle"] not in ("deg", "rad"):
-                raise FileFormatError(path, no, quoted(words[1]), "deg or rad")
-
-
-def _read_root(path: str | Path, body: list[Line], root: _Bone) -> None:
-    for no, words in body:
-        key = words[0].lower()
-        if key == "order":
-            root.dof = [w.lower() for w in words[1:]]
-            _check_dof(path, no, root.dof)
-        elif key == "axis":
-            root.axis_order = _axis_order(path, no, _word(path, no, words, 1))
-        elif key == "position":
-            root.direction = np.array(_numbers(path, no, words, 3))
-            if np.abs(root.direction).max() > MAX_PLACE_M:
-                raise FileFormatError(path, no, "a root far away", f"at most {MAX_PLACE_M:g}")
-        elif key == "orientation":
-            root.axis = np.array(_numbers(path, no, words, 3))
-
-
-def _read_bones(path: str | Path, body: list[Line]) -> dict[str, _Bone]:
-    bones: dict[str, _Bone] = {}
-    bone: _Bone | None = None
-    for no, words in body:
-        key = words[0].lower()
-        if key == "begin":
-            bone = _Bone(name="", line=no)
-        elif bone is None:
-            raise FileFormatError(path, no, quoted(words[0]), "begin")
-        elif key == "end":
-            if not bone.name:
-                raise FileFormatError(path, no, "a bone without a name", "name")
-            bones[bone.name] = bone
-            bone = None
-        elif key == "name":
-            bone.name = _word(path, no, words, 1)
-            if bone.name in bones or bone.name == ROOT:
-                raise FileFormatError(
-                    path, no, f"a second bone called {quoted(bone.name)}", "unique names"
-                )
-        elif key == "direction":
-            bone.direction = np.array(_numbers(path, no, words, 3))
-        elif key == "length":
-            bone.length = _numbers(path, no, words, 1)[0]
-        elif key == "axis":
-            bone.axis = np.array(_numbers(path, no, words, 3))
-            bone.axis_order = _axis_order(path, no, _word(path, no, words, 4))
-        elif key == "dof":
-            bone.dof = [w.lower() for w in words[1:]]
-            _check_dof(path, no, bone.dof)
-            if any(name[0] == "t" for name in bone.dof):
-                raise FileFormatError(
-                    path, no, "a bone that moves away from its parent", "rx ry rz"
-                )
-        # Limits, masses and ids are not needed to read a motion; limits run over several lines.
-    if bone is not None:
-        raise FileFormatError(path, body[-1][0], "a bone without end", "end")
-    return bones
-
-
-def _word(path: str | Path, no: int, words: list[str], index: int) -> str:
-    if len(words) <= index:
-        raise FileFormatError(path, no, quoted(" ".join(words)), f"a value after {words[0]}")
-    return words[index]
-
-
-def _numbers(path: str | Path, no: int, words: list[str], count: int) -> list[float]:
-    if len(words) < count + 1:
-        raise FileFormatError(
-            path, no, f"{len(words) - 1} values", f"{count} after {quoted(words[0])}"
-        )
-    return [parse_number(path, no, w, words[0]) for w in words[1 : count + 1]]
-
-
-def _axis_order(path: str | Path, no: int, word: str) -> str:
-    if sorted(word.upper()) != ["X", "Y", "Z"]:
-        raise FileFormatError(path, no, quoted(word), "an axis order such as XYZ")
-    return word.upper()
-
-
-def _check_dof(path: str | Path, no: int, dof: list[str]) -> None:
-    for name in dof:
-        if name not in ("tx", "ty", "tz", "rx", "ry", "rz") or dof.count(name) > 1:
-            raise FileFormatError(path, no, quoted(name), "tx ty tz rx ry rz, each at most once")
-
-
 def _assemble(
-    path: Path, root: _Bone, bones: dict[str, _Bone], tree: list[Line], unit: Unit, angle: str
+    path: Path, root: Bone, bones: dict[str, Bone], tree: list[Line], unit: Unit, angle: str
 ) -> AsfFile:
     order, parents = _order_bones(path, bones, tree)
     _check_depth(path, bones, order, parents)
@@ -234,7 +106,7 @@ def _assemble(
     )
 
 
-def _reach(path: Path, bone: _Bone, unit: Unit) -> np.ndarray:
+def _reach(path: Path, bone: Bone, unit: Unit) -> np.ndarray:
     """From a bone's beginning to its end, m; the direction need not be a unit vector."""
     length = bone.length * unit.metres
     if abs(length) > MAX_OFFSET_M:
@@ -249,7 +121,7 @@ def _reach(path: Path, bone: _Bone, unit: Unit) -> np.ndarray:
 
 
 def _check_depth(
-    path: Path, bones: dict[str, _Bone], order: list[str], parents: dict[str, str]
+    path: Path, bones: dict[str, Bone], order: list[str], parents: dict[str, str]
 ) -> None:
     depth = {ROOT: 1}
     for name in order:
@@ -261,14 +133,14 @@ def _check_depth(
 
 def _end_names(bones: list[str], taken: set[str]) -> list[str]:
     """``<bone>_end`` for each, with more underscores where a bone has that name already."""
-    found: list[str] = []
+    ends: list[str] = []
     for bone in bones:
         name = f"{bone}_end"
         while name in taken:
             name += "_"
         taken.add(name)
-        found.append(name)
-    return found
+        ends.append(name)
+    return ends
 
 
 def _turn(angles: np.ndarray, order: str) -> Array:
@@ -278,7 +150,7 @@ def _turn(angles: np.ndarray, order: str) -> Array:
 
 
 def _order_bones(
-    path: Path, bones: dict[str, _Bone], tree: list[Line]
+    path: Path, bones: dict[str, Bone], tree: list[Line]
 ) -> tuple[list[str], dict[str, str]]:
     """Bones depth first as the hierarchy lists them, and each one's parent."""
     children: dict[str, list[str]] = {}

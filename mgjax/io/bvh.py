@@ -12,7 +12,6 @@ this one anyhow; the library is the oracle in the tests instead.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,8 @@ import numpy as np
 from mgjax.core import quaternion
 from mgjax.core.errors import FileFormatError
 from mgjax.core.motion import Motion
-from mgjax.core.skeleton import MAX_DEPTH, MAX_OFFSET_M, Skeleton
+from mgjax.core.skeleton import MAX_OFFSET_M, Skeleton
+from mgjax.io.bvh_hierarchy import BvhJoint, read_hierarchy
 from mgjax.io.text import (
     MAX_PLACE_M,
     check_size,
@@ -29,24 +29,11 @@ from mgjax.io.text import (
     parse_number,
     quoted,
     read_text,
-    split_braces,
     split_lines,
 )
 from mgjax.io.units import UNITS, Unit, find_unit
 
-_CHANNEL = re.compile(r"([xyz])(position|rotation)", re.IGNORECASE)
 _COMMON_RATES = (24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
-
-
-@dataclass(kw_only=True)
-class _Joint:
-    name: str
-    parent: int
-    line: int
-    is_end: bool = False
-    offset: tuple[float, ...] | None = None
-    offset_line: int = 0
-    channels: list[tuple[str, str]] = field(default_factory=list)  # (axis, kind)
 
 
 def read_bvh(
@@ -67,7 +54,7 @@ def read_bvh(
     """
     lines = split_lines(read_text(path, "BVH").rstrip())
     start = next((i for i, s in enumerate(lines) if s.strip().upper() == "MOTION"), None)
-    joints = _read_hierarchy(path, lines[: len(lines) if start is None else start])
+    joints = read_hierarchy(path, lines[: len(lines) if start is None else start])
     if start is None:
         raise FileFormatError(path, len(lines), "the end of the file", "MOTION")
     count, period, first = _read_motion_header(path, lines, start)
@@ -94,7 +81,9 @@ def read_bvh(
     return skeleton, Motion(**motion, frame_rate=float(rate)), unit
 
 
-def _check_offsets(path: str | Path, joints: list[_Joint], offsets: np.ndarray, unit: Unit) -> None:
+def _check_offsets(
+    path: str | Path, joints: list[BvhJoint], offsets: np.ndarray, unit: Unit
+) -> None:
     too_long = np.flatnonzero(np.abs(offsets).max(axis=1) > MAX_OFFSET_M / unit.metres)
     if too_long.size:
         joint = joints[int(too_long[0])]
@@ -107,108 +96,12 @@ def _check_offsets(path: str | Path, joints: list[_Joint], offsets: np.ndarray, 
         )
 
 
-def _read_hierarchy(path: str | Path, lines: list[str]) -> list[_Joint]:
-    tokens = [(no, t) for no, line in enumerate(lines, 1) for t in split_braces(line)]
-    end = (max(len(lines), 1), "the end of the hierarchy")
-    at = 0
-
-    def take(expected: str) -> tuple[int, str]:
-        nonlocal at
-        if at >= len(tokens):
-            raise FileFormatError(path, end[0], end[1], expected)
-        at += 1
-        return tokens[at - 1]
-
-    def must(word: str) -> None:
-        line, token = take(word)
-        if token.upper() != word:
-            raise FileFormatError(path, line, quoted(token), word)
-
-    joints: list[_Joint] = []
-    names: dict[str, int] = {}
-    stack: list[int] = []
-    must("HIERARCHY")
-    while True:
-        expected = "ROOT" if not joints else "JOINT, End Site, OFFSET, CHANNELS or }"
-        if joints and not stack:
-            if at < len(tokens):
-                line, token = tokens[at]
-                raise FileFormatError(path, line, quoted(token), "MOTION after a single ROOT")
-            break
-        line, token = take(expected)
-        word = token.upper()
-        if (word == "ROOT" and not joints) or (word in ("JOINT", "END") and stack):
-            label: list[str] = []
-            while (item := take("{"))[1] != "{":
-                label.append(item[1])
-            name, is_end = " ".join(label), word == "END"
-            if not name and not is_end:
-                raise FileFormatError(path, line, "no name", f"{word} and a name")
-            if not is_end and name in names:
-                got = f"a second joint called {quoted(name)} (the first is in line {names[name]})"
-                raise FileFormatError(path, line, got, "unique joint names")
-            if len(stack) >= MAX_DEPTH:
-                raise FileFormatError(path, line, f"joints nested {MAX_DEPTH} deep", "a skeleton")
-            if stack and joints[stack[-1]].is_end:
-                raise FileFormatError(path, line, f"{token} in an End Site", "OFFSET or }")
-            if not is_end:
-                names[name] = line
-            parent = stack[-1] if stack else -1
-            joints.append(_Joint(name=name, parent=parent, line=line, is_end=is_end))
-            stack.append(len(joints) - 1)
-        elif word == "OFFSET" and stack:
-            numbers = [parse_number(path, *take("a number"), "OFFSET") for _ in range(3)]
-            joints[stack[-1]].offset, joints[stack[-1]].offset_line = tuple(numbers), line
-        elif word == "CHANNELS" and stack:
-            joints[stack[-1]].channels = _read_channels(path, take)
-            if joints[stack[-1]].is_end and joints[stack[-1]].channels:
-                raise FileFormatError(path, line, "channels of an End Site", "OFFSET or }")
-        elif token == "}" and stack:
-            joint = joints[stack.pop()]
-            if joint.offset is None:
-                raise FileFormatError(path, line, f"no OFFSET for {quoted(joint.name)}", "OFFSET")
-        else:
-            raise FileFormatError(path, line, quoted(token), expected)
-    _name_ends(joints, names)
-    return joints
-
-
-def _name_ends(joints: list[_Joint], taken: dict[str, int]) -> None:
-    """Calls end sites ``<parent>_end``, ``<parent>_end2`` …, but for names that joints have."""
-    numbers: dict[str, int] = {}
-    for joint in joints:
-        if joint.is_end:
-            parent = joints[joint.parent].name
-            name = ""
-            while not name or name in taken:
-                number = numbers[parent] = numbers.get(parent, 0) + 1
-                name = f"{parent}_end{number if number > 1 else ''}"
-            taken[name], joint.name = joint.line, name
-
-
-def _read_channels(path: str | Path, take) -> list[tuple[str, str]]:
-    line, token = take("a number of channels")
-    if not is_count(token) or int(token) > 6:
-        raise FileFormatError(path, line, quoted(token), "0 … 6 channels")
-    found: list[tuple[str, str]] = []
-    for _ in range(int(token)):
-        line, token = take("a channel")
-        match = _CHANNEL.fullmatch(token)
-        if match is None:
-            raise FileFormatError(path, line, quoted(token), "Xposition … Zrotation")
-        found.append((match[1].upper(), match[2].lower()))
-    positions = [axis for axis, kind in found if kind == "position"]
-    if len(set(positions)) < len(positions):
-        raise FileFormatError(path, line, "the same position channel twice", "each at most once")
-    return found
-
-
 def _read_motion_header(
     path: str | Path, lines: list[str], start: int
 ) -> tuple[int, tuple[float, str], int]:
     """Number of frames, (frame time, its text), index of the first row."""
     at = start + 1
-    found: list[tuple[int, str]] = []
+    stated: list[tuple[int, str]] = []
     for word, pattern in (("Frames:", r"frames\s*:(.*)"), ("Frame Time:", r"frame\s*time\s*:(.*)")):
         while at < len(lines) and not lines[at].strip():
             at += 1
@@ -217,9 +110,9 @@ def _read_motion_header(
         match = re.fullmatch(pattern, lines[at].strip(), re.IGNORECASE)
         if match is None:
             raise FileFormatError(path, at + 1, quoted(lines[at].strip()), word)
-        found.append((at + 1, match[1].strip()))
+        stated.append((at + 1, match[1].strip()))
         at += 1
-    (count_line, count), (time_line, time) = found
+    (count_line, count), (time_line, time) = stated
     if not is_count(count) or int(count) < 1:
         raise FileFormatError(path, count_line, quoted(count), "a number of frames, 1 or more")
     period = parse_number(path, time_line, time, "the frame time")
@@ -268,18 +161,18 @@ def _stated_rate(period: tuple[float, str]) -> float:
     seconds, text = period
     mantissa, _, exponent = text.lower().partition("e")
     decimals = len(mantissa.partition(".")[2]) - int(exponent or 0)
-    whole = max(round(1 / seconds), 1)
-    if abs(1 / whole - seconds) <= 1e-9 * seconds:
-        return float(whole)
+    nearest = max(round(1 / seconds), 1)
+    if abs(1 / nearest - seconds) <= 1e-9 * seconds:
+        return float(nearest)
     likely = min(_COMMON_RATES, key=lambda rate: abs(1 / rate - seconds))
-    for rate in (likely, whole):
+    for rate in (likely, nearest):
         if abs(1 / rate - seconds) <= 0.5 * 10.0**-decimals + 1e-12:
             return float(rate)
     return 1 / seconds
 
 
 def _assemble(
-    joints: list[_Joint], offsets: np.ndarray, values: np.ndarray, metres: float
+    joints: list[BvhJoint], offsets: np.ndarray, values: np.ndarray, metres: float
 ) -> tuple[Skeleton, dict]:
     frames = len(values)
     rotations = np.zeros((frames, len(joints), 4))

@@ -73,6 +73,8 @@ def quoted(token: str) -> str:
 
 def reason(error: Exception) -> str:
     """Why the operating system refused, in lower case."""
+    if isinstance(error, ValueError) and "null" in str(error):
+        return "embedded null byte"  # each version of Python words it differently
     return (getattr(error, "strerror", None) or str(error)).lower()
 
 

@@ -98,8 +98,8 @@ def revision(folder: str | Path) -> tuple[str | None, bool | None]:
 
 def versions() -> dict[str, str]:
     """Versions of Python and of the packages on which results depend."""
-    found = {name: importlib.metadata.version(name) for name in PACKAGES}
-    return {"python": platform.python_version(), **found, "mgjax": mgjax.__version__}
+    installed = {name: importlib.metadata.version(name) for name in PACKAGES}
+    return {"python": platform.python_version(), **installed, "mgjax": mgjax.__version__}
 
 
 def machine() -> dict[str, Any]:
@@ -213,16 +213,16 @@ class Points:
             data = path.read_bytes()
         except OSError:
             return False
-        whole = data[: data.rfind(b"\n") + 1]
+        lines = data[: data.rfind(b"\n") + 1]
         try:
-            first, *rows = [json.loads(line) for line in whole.splitlines()]
+            first, *rows = [json.loads(line) for line in lines.splitlines()]
             if first != self._header:
                 return False
             self._rows = {row["key"]: row for row in rows}
         except (ValueError, KeyError, TypeError):
             return False
-        if len(whole) < len(data):
-            os.truncate(path, len(whole))
+        if len(lines) < len(data):
+            os.truncate(path, len(lines))
         return True
 
     def measure(self, key: str, work: Callable[[], dict[str, Any]]) -> dict[str, Any]:

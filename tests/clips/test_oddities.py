@@ -11,7 +11,6 @@ from mgjax.clips.oddities import (
     find_oddities,
     first_clean_frame,
     jump_frames,
-    starts_with_t_pose,
 )
 from mgjax.core.motion import Motion, cut, resample
 from mgjax.io.load import load_motion
@@ -54,7 +53,7 @@ def test_nothing_odd(body):
     motion = walking(body)
     assert find_oddities(body, motion) == ()
     assert jump_frames(body, motion).size == 0
-    assert not starts_with_t_pose(body, motion)
+    assert first_clean_frame(body, motion) == 0
     assert first_clean_frame(body, motion) == 0
     assert find_oddities(body, cut(motion, 0, 1)) == ()
 
@@ -91,7 +90,7 @@ def test_many_jumps_are_summed_up(body):
 def test_t_pose(body, step):
     motion = with_t_pose(body, walking(body))
     motion = resample(motion, 120 / step)
-    assert starts_with_t_pose(body, motion)
+    assert first_clean_frame(body, motion) > 0
     assert jump_frames(body, motion).size == 0  # the step out of it is not one
     (oddity,) = find_oddities(body, motion)
     assert (oddity.kind, oddity.frame) == ("t_pose_first_frame", 0)
@@ -107,13 +106,13 @@ def test_what_is_no_t_pose(body):
         [np.tile(motion.local_rotations[:1] * 0 + np.array([1, 0, 0, 0], np.float32), (5, 1, 1)),
          motion.local_rotations[5:]]
     ))  # fmt: skip
-    assert not starts_with_t_pose(body, still)
+    assert first_clean_frame(body, still) == 0
     # A jump to frame 1, but towards the rest pose.
     hanging = with_t_pose(body, walking(body))
     rotations = hanging.local_rotations.copy()
     rotations[[0, 1]] = rotations[[1, 0]]
     swapped = replace(hanging, local_rotations=rotations)
-    assert not starts_with_t_pose(body, swapped)
+    assert first_clean_frame(body, swapped) == 0
     assert 1 in jump_frames(body, swapped)
     # Two frames in the rest pose, and the first of them elsewhere: frame 1 continues the pose.
     twice = hanging.local_rotations.copy()
@@ -121,7 +120,7 @@ def test_what_is_no_t_pose(body):
     root = hanging.root_translation.copy()
     root[0, 0] = 3
     both = replace(hanging, local_rotations=twice, root_translation=root)
-    assert not starts_with_t_pose(body, both)
+    assert first_clean_frame(body, both) == 0
     # A jump with no change of pose.
     root = motion.root_translation.copy()
     root[0, 0] = 3
@@ -135,7 +134,7 @@ def test_a_t_pose_that_was_blended_in(body):
         mixed = rotations[frame] * (1 - share) + rotations[0] * share
         rotations[frame] = mixed / np.linalg.norm(mixed, axis=-1, keepdims=True)
     blended = replace(motion, local_rotations=rotations)
-    assert starts_with_t_pose(body, blended)
+    assert first_clean_frame(body, blended) > 0
     assert first_clean_frame(body, blended) == 4
 
 
@@ -187,5 +186,5 @@ def test_real_capture(capture):
         np.testing.assert_array_equal(jump_frames(skeleton, motion), [2, 3])
         assert first_clean_frame(skeleton, motion) == 8
         clean = cut(motion, 8, motion.num_frames)
-        assert not starts_with_t_pose(skeleton, clean)
+        assert first_clean_frame(skeleton, clean) == 0
         assert jump_frames(skeleton, clean).size == 0

@@ -1,5 +1,9 @@
 from __future__ import annotations
 
+import gc
+import subprocess
+import sys
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +19,7 @@ from mgjax.core.motion import cut
 from mgjax.graph.build import build_graph, joint_weights
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.distance import distance_matrix
+from mgjax.graph.plants import planted_frames
 from mgjax.graph.types import NO_CLIP, MotionGraph
 from tests.graph.made import BODY, clip, march, places
 from tests.reference import graph as reference
@@ -478,6 +483,26 @@ def test_settings_out_of_range(made, change):
         build_graph(made[0], config=GraphConfig(**change))
     assert "\n" not in str(caught.value)
     assert next(iter(change)) in str(caught.value)
+
+
+def test_positions_and_plants_are_kept(made_graph):
+    graph = replace(made_graph)
+    positions = np.asarray(
+        forward(graph.skeleton, graph.root_translation, graph.local_rotations)[0]
+    )
+    np.testing.assert_array_equal(graph.positions, positions)
+    assert graph.positions is graph.positions
+    np.testing.assert_array_equal(made_graph.plants, planted_frames(made_graph))
+    assert made_graph.plants is made_graph.plants
+    dead = weakref.ref(graph)
+    del graph
+    gc.collect()
+    assert dead() is None
+
+
+def test_configurations_import_no_arrays():
+    script = "import sys, mgjax.graph as g; g.GraphConfig(); sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
 
 
 def test_weights():

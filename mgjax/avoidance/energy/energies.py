@@ -13,11 +13,12 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Bool, Float
 
-from mgjax.avoidance.config import EnergyConfig, Number
+from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.kernel import Paths, over_attack
 from mgjax.avoidance.energy.score import avoidance_energy, body_energy
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
+from mgjax.core.traced import Number
 from mgjax.core.xla.pytree import register
 
 

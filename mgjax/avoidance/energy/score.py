@@ -13,8 +13,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Float
 
-from mgjax.avoidance.config import EnergyConfig, Number
+from mgjax.avoidance.config import EnergyConfig
 from mgjax.core.arrays import Array
+from mgjax.core.traced import Number
 from mgjax.core.xla.pytree import register
 
 register("form", "d0")(EnergyConfig)

@@ -15,7 +15,7 @@ from mgjax.graph.transition import frame_positions
 
 
 @dataclass(frozen=True, kw_only=True)
-class Axis:
+class ClipTimeline:
     """All prepared clips on one axis of frames."""
 
     skeleton: Skeleton
@@ -31,9 +31,9 @@ class Axis:
     labels: list[Label]
 
 
-def lay_out(
+def make_timeline(
     clips: list[Clip], labels: Labels, skeleton: Skeleton, config: GraphConfig
-) -> tuple[Axis, list[str]]:
+) -> tuple[ClipTimeline, list[str]]:
     """Prepares clips and lays them out; notes say what was changed."""
     prepared, notes = prepare_clips(
         clips, labels, skeleton=skeleton, frame_rate=config.frame_rate, mirrored=config.mirror
@@ -54,7 +54,7 @@ def lay_out(
     frames = np.concatenate(
         [c.label_frames + a for c, a in zip(prepared, starts, strict=True)]
     ).astype(np.int64)
-    axis = Axis(
+    timeline = ClipTimeline(
         skeleton=skeleton,
         clips=prepared,
         starts=starts,
@@ -67,7 +67,7 @@ def lay_out(
         label_stops=frames[:, 1],
         labels=[label for c in prepared for label in c.labels],
     )
-    return axis, notes
+    return timeline, notes
 
 
 def _centred(root: np.ndarray) -> np.ndarray:
