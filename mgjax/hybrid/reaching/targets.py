@@ -25,7 +25,7 @@ from jaxtyping import Float
 from scipy.interpolate import PchipInterpolator
 
 from mgjax.core.errors import FileFormatError, MgjaxError
-from mgjax.hybrid.ik.limbs import LIMBS
+from mgjax.hybrid.ik.limbs import LIMB_TYPES, LIMBS, LimbKind
 from mgjax.io.text import quoted, read_text
 
 WORDS = ("start", "passing", "end")
@@ -131,7 +131,7 @@ def make_target(
 
 
 def _bar_target(limb: str, bar: tuple[Any, Any, Any], when: Any) -> Target:
-    if limb != "head":
+    if LIMB_TYPES[limb].kind is not LimbKind.HEAD:
         raise ReachError(f"got a bar for the {limb}, expected one for the head")
     if when not in (None, "passing"):
         raise ReachError(f"got a bar at {when!r:.40}, expected no time: it is where it is passed")
