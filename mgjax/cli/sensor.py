@@ -9,7 +9,7 @@ from typing import Any
 
 from mgjax.ballsport.clipset.build import build_clip_set
 from mgjax.ballsport.live.recogniser import LiveDriver, PassDecision
-from mgjax.cli.arguments import Listen, Replay
+from mgjax.cli.arguments import Listen, Replay, Sensor
 from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.io.load import load_motion
@@ -17,6 +17,15 @@ from mgjax.io.output import output_folder
 from mgjax.sensor.config import ReplayConfig
 from mgjax.sensor.receiver import SensorReceiver
 from mgjax.sensor.replay import replay as send
+
+
+def run(command: Sensor) -> None:
+    """Plays a file as a sensor, or listens to one."""
+    action = command.action
+    if isinstance(action, Replay):
+        replay(action)
+    else:
+        listen(action)
 
 
 def replay(command: Replay) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from mgjax.core.errors import ConfigError
@@ -84,6 +84,19 @@ class ReachConfig:
     radius_m: float = 0.7
 
 
+@dataclass(frozen=True, kw_only=True)
+class WalkConfig:
+    """All settings of ``mgjax walk``, as the sections of its configuration file.
+
+    Attributes:
+        path: of the search.
+        reach: of the reaches on the way.
+    """
+
+    path: PathConfig = field(default_factory=PathConfig)
+    reach: ReachConfig = field(default_factory=ReachConfig)
+
+
 _PATH_RANGES: dict[str, tuple[float, float]] = {
     "horizon_s": (1, 60),
     "keep_s": (0.1, 60),
@@ -111,12 +124,11 @@ _REACH_RANGES: dict[str, tuple[float, float]] = {
 def validate_path_config(config: PathConfig) -> None:
     """Raises :class:`ConfigError` naming the first setting of a path search out of range."""
     if config.method not in ("exact", "beam"):
-        raise ConfigError(f"got method = {config.method!r}, expected exact or beam")
+        raise ConfigError(got=f"method = {config.method!r}", expected="exact or beam")
     _check_ranges(config, _PATH_RANGES, whole=("beam_width", "expansions"))
     if config.keep_s > config.horizon_s:
-        raise ConfigError(
-            f"got keep_s = {config.keep_s!r}, expected at most horizon_s = {config.horizon_s:g}"
-        )
+        got, expected = f"keep_s = {config.keep_s!r}", f"at most horizon_s = {config.horizon_s:g}"
+        raise ConfigError(got=got, expected=expected)
 
 
 def validate_reach_config(config: ReachConfig) -> None:
@@ -124,7 +136,7 @@ def validate_reach_config(config: ReachConfig) -> None:
     for name in ("limits", "extend", "stop"):
         value = getattr(config, name)
         if not isinstance(value, bool):
-            raise ConfigError(f"got {name} = {value!r}, expected true or false")
+            raise ConfigError(got=f"{name} = {value!r}", expected="true or false")
     _check_ranges(config, _REACH_RANGES)
 
 
@@ -141,4 +153,4 @@ def _check_ranges(
         if not (ok and low <= float(value) <= high and value != math.inf):
             what = "a whole number " if name in whole else ""
             top = f" … {high:g}" if high < math.inf else " or more"
-            raise ConfigError(f"got {name} = {value!r}, expected {what}{low:g}{top}")
+            raise ConfigError(got=f"{name} = {value!r}", expected=f"{what}{low:g}{top}")

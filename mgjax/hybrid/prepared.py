@@ -62,7 +62,8 @@ class Prepared:
         """The body; :class:`ConfigError` where it is prepared for walking alone."""
         if self.body is None:
             raise ConfigError(
-                "got the state prepared for walking alone, expected that of prepare(graph, config)"
+                got="the state prepared for walking alone",
+                expected="that of prepare(graph, config)",
             )
         return self.body
 
@@ -119,11 +120,11 @@ def _prepare_body(graph: MotionGraph, config: ReachConfig) -> ReachBody:
 
 def _check(graph: MotionGraph, config: ReachConfig | None, prepared: Prepared) -> None:
     if prepared.graph() is not graph:
-        raise ConfigError("got the state prepared for another graph, expected this graph's")
+        raise ConfigError(got="the state prepared for another graph", expected="this graph's")
     if config is None:
         return
     if config.limits and prepared.reach_body.limits is None:
         raise ConfigError(
-            "got the state prepared for reaches without limits, expected that of"
-            " prepare(graph, config)"
+            got="the state prepared for reaches without limits",
+            expected="that of prepare(graph, config)",
         )

@@ -10,12 +10,10 @@ from jaxtyping import Float
 from scipy.optimize import minimize_scalar, root_scalar
 
 from mgjax.avoidance.attacks.attack import MAX_SECONDS, Attack
+from mgjax.avoidance.config import BALL_RADIUS_M
 from mgjax.core.errors import AttackError
 
 GRAVITY_M_S2 = 9.8
-
-
-BALL_RADIUS_M = 0.12
 
 
 BEYOND_M = 3.0
@@ -60,16 +58,18 @@ def ball_attack(
     numbers = {"speed": speed, "arrival": arrives, "radius": radius}
     for name, value in numbers.items():
         if not (np.isfinite(value) and 0 < value <= 1000):
-            raise AttackError(f"got {name} {value:g}, expected more than 0 and at most 1000")
+            raise AttackError(got=f"{name} {value:g}", expected="more than 0 and at most 1000")
     if not 0 <= drag <= MAX_DRAG:
-        raise AttackError(f"got drag {drag:g} per second, expected 0 … {MAX_DRAG:g}")
+        raise AttackError(got=f"drag {drag:g} per second", expected=f"0 … {MAX_DRAG:g}")
     for name, place in (("start", a), ("target", b)):
         if place.shape != (3,) or not np.isfinite(place).all() or np.abs(place).max() > 1000:
-            raise AttackError(f"got {name} {place.tolist()}, expected three numbers within 1000 m")
+            raise AttackError(
+                got=f"{name} {place.tolist()}", expected="three numbers within 1000 m"
+            )
         if place[1] < 0:
-            raise AttackError(f"got a {name} {-place[1]:g} m under the floor, expected y ≥ 0")
+            raise AttackError(got=f"a {name} {-place[1]:g} m under the floor", expected="y ≥ 0")
     if np.linalg.norm(b - a) < 1e-6:
-        raise AttackError("got a throw to the place it starts from, expected another")
+        raise AttackError(got="a throw to the place it starts from", expected="another")
     pull = np.array([0.0, -GRAVITY_M_S2 if gravity else 0.0, 0.0])
     velocity, flight = _launch(b - a, speed, pull, drag)
     until = flight + _seconds_beyond(velocity, flight, pull, drag)
@@ -77,8 +77,8 @@ def ball_attack(
     launch = arrives - flight
     if launch + until > MAX_SECONDS:
         raise AttackError(
-            f"got a ball that is under way until {launch + until:.4g} s from now, expected at most"
-            f" {MAX_SECONDS:g} s"
+            got=f"a ball that is under way until {launch + until:.4g} s from now",
+            expected=f"at most {MAX_SECONDS:g} s",
         )
     known = max(0.0, -launch)  # what was before now does not matter
     rate = _KNOT_RATE if gravity or drag else 0.0  # a straight line needs none in between

@@ -26,8 +26,9 @@ from typing import Any, NoReturn
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import MAX_SECONDS, Attack, validate_attack
-from mgjax.avoidance.attacks.ball import BALL_RADIUS_M, ball_attack
+from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.merge import merge_attacks
+from mgjax.avoidance.config import BALL_RADIUS_M
 from mgjax.core.errors import AttackError, FileFormatError
 from mgjax.io.text import read_text
 
@@ -188,8 +189,7 @@ class _Document:
         try:
             return function(*args, **more)
         except AttackError as error:
-            got, _, expected = str(error).removeprefix("got ").rpartition(", expected ")
-            self.fail(where, got, expected)
+            self.fail(where, error.got, error.expected)
 
 
 def _kind(value: Any) -> str:

@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.core.errors import ConfigError
+from mgjax.core.errors import ConfigError, PathError
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.config import WIDEST, PathConfig, validate_path_config
 from mgjax.hybrid.paths.beam import Beam, run_beam
@@ -24,7 +24,7 @@ from mgjax.hybrid.paths.curve import Curve, make_curve
 from mgjax.hybrid.paths.frontier import UNBOUNDED, Frontier, Search, Terminal, concatenate
 from mgjax.hybrid.paths.kernel import compile_kernels, make_request
 from mgjax.hybrid.paths.result import PathResult, measure_walk, place_pieces
-from mgjax.hybrid.paths.sketch import PathError, Sketch
+from mgjax.hybrid.paths.sketch import Sketch
 from mgjax.hybrid.prepared import Prepared, prepared_for
 
 SLOWEST_M_S = 0.1
@@ -85,7 +85,7 @@ def follow(
     config = config or PathConfig()
     validate_path_config(config)
     if node is not None and not 0 <= node < graph.num_nodes:
-        raise ConfigError(f"got node {node}, expected 0 … {graph.num_nodes - 1}")
+        raise ConfigError(got=f"node {node}", expected=f"0 … {graph.num_nodes - 1}")
     entered = time.perf_counter()
     curve = make_curve(sketch)
     place = curve.start() if start is None else np.asarray(start, dtype=np.float64)

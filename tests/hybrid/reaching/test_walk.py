@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mgjax.core.errors import ReachError
 from mgjax.core.kinematics import global_positions
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
@@ -14,7 +15,7 @@ from mgjax.hybrid.config import PathConfig, ReachConfig
 from mgjax.hybrid.ik.limbs import find_limb
 from mgjax.hybrid.paths.sketch import make_sketch
 from mgjax.hybrid.reaching.result import ReachResult
-from mgjax.hybrid.reaching.targets import ReachError, make_target
+from mgjax.hybrid.reaching.targets import make_target
 from mgjax.hybrid.reaching.walk import reach
 from mgjax.io.bvh_write import save_bvh
 from mgjax.io.load import load_motion
@@ -187,3 +188,20 @@ def test_on_capture(capture: Path) -> None:
     result = go(high, far, bar, graph=graph, sketch=curve)
     assert [row.status for row in result.targets] == ["reached", "reached", "cleared"]
     check(result, graph)
+
+
+def test_a_blend_of_no_length_is_at_once() -> None:
+    config = ReachConfig(blend_s=0.0, turn_deg_s=1e6)
+    hand = make_target("right_hand", place=[-0.35, 1.2, 2.2], when="passing", hold_s=0.2)
+    bar = make_target("head", bar=([-1, 1.5, 3], [1, 1.5, 3], 0.03))
+    result = reach(walking(), LINE, (hand, bar), path=BEAM, config=config)
+    assert np.isfinite(np.asarray(result.motion.local_rotations)).all()
+    row, ducked = result.targets
+    assert (row.status, ducked.status) == ("reached", "cleared")
+    assert row.first is not None
+    assert ducked.first is not None
+    held = {f for r in (row, ducked) for f in range(r.first, r.last + 1)}  # pyright: ignore
+    before = next(f for f in range(row.first - 1, -1, -1) if f not in held)
+    np.testing.assert_allclose(
+        result.motion.local_rotations[before], result.plain.local_rotations[before], atol=1e-6
+    )
