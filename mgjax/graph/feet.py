@@ -44,17 +44,17 @@ def foot_chains(skeleton: Skeleton) -> FootChains:
         SkeletonError: a joint of the legs is missing, or there are joints between hip, knee and
             ankle.
     """
-    found = require_roles(
+    joints = require_roles(
         skeleton, [f"{s}_{j}" for j in ("hip", "knee", "ankle") for s in ("left", "right")]
     )
-    for upper, lower in zip(found[:4], found[2:], strict=True):
+    for upper, lower in zip(joints[:4], joints[2:], strict=True):
         if skeleton.parents[lower] != upper:
             names = skeleton.names
             raise SkeletonError(f"{names[lower]!r} does not hang directly on {names[upper]!r}")
     return FootChains(
-        hips=(found[0], found[1]),
-        knees=(found[2], found[3]),
-        ankles=(found[4], found[5]),
+        hips=(joints[0], joints[1]),
+        knees=(joints[2], joints[3]),
+        ankles=(joints[4], joints[5]),
         balls=foot_joints(skeleton),
     )
 

@@ -24,7 +24,7 @@ _RADII_M = {
     "shin": 0.055,
     "foot": 0.04,
 }
-"""Of an adult of 1.75 m."""
+"""Radii of the parts of an adult of 1.75 m."""
 _FORE = ("forearm", "hand")
 """Parts of an arm that may come near the rest of the body."""
 _REST = ("torso", "pelvis", "head", "neck")

@@ -16,7 +16,7 @@ from mgjax.hybrid.ik.limbs import ARMS, LIMBS, Limb, find_limb
 from mgjax.hybrid.ik.pose import moved_joints
 
 _SPINE_DEG = (-12.0, 32.0, -16.0, 16.0, -18.0, 18.0)
-"""Of each joint of the spine: back, forward, to both sides, turned to both sides."""
+"""A joint of the spine: back, forward, to both sides, turned to both sides."""
 _NECK_DEG = (-15.0, 30.0, -15.0, 15.0, -25.0, 25.0)
 _CLAVICLE_DEG = (-12.0, 25.0, -18.0, 18.0, -8.0, 8.0)
 """Down, up, and to front and back."""

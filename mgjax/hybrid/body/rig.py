@@ -28,7 +28,7 @@ TOLERANCE_M = 3e-4
 _STEPS = 24
 """Least-squares steps at most for a key pose, after FABRIK's stages."""
 _STEPS_ON = 6
-"""And for each pose that is found from the one before it."""
+"""Least-squares steps at most for each pose that is found from the one before it."""
 _BLOCK = 64
 """Frames that are solved by one compiled call."""
 _SHOULDERS_DEG = ((20, 10), (60, 20), (110, 20), (150, 30), (50, -45), (70, 80))
@@ -148,8 +148,8 @@ def _track(
                 is_end, pose, steps.damped_least_squares_step(rig, pose, limits)
             )
 
-        found = lax.while_loop(more, once, (jnp.int32(0), pose))[1]
-        return found, found
+        solved = lax.while_loop(more, once, (jnp.int32(0), pose))[1]
+        return solved, solved
 
     return lax.scan(step, first, (bases, frames, targets))[1]
 
@@ -181,14 +181,14 @@ def track_targets(
     shape = {"parents": rig.parents, "ends": rig.ends}
 
     def run(rows: np.ndarray) -> np.ndarray:
-        found = [pose[None].astype(np.float32)]
+        solved = [pose[None].astype(np.float32)]
         for begin in range(0, len(rows), _BLOCK):
             chunk = rows[begin : begin + _BLOCK]
             rows_ = (base[chunk], frame[chunk], targets[chunk])
             arrays = [pad_axis(x.astype(np.float32), _BLOCK) for x in rows_]
-            block = _track(rig.offsets, *arrays, found[-1][-1], rig.limits, **shape)
-            found.append(np.asarray(block)[: len(chunk)])
-        return np.concatenate(found[1:])
+            block = _track(rig.offsets, *arrays, solved[-1][-1], rig.limits, **shape)
+            solved.append(np.asarray(block)[: len(chunk)])
+        return np.concatenate(solved[1:])
 
     after = run(np.arange(key, count))
     before = run(np.arange(key, -1, -1))[::-1]
@@ -196,12 +196,12 @@ def track_targets(
 
 
 def full_pose(
-    rig: LimbRig, root: np.ndarray, local: np.ndarray, found: Float[np.ndarray, "F n 4"]
+    rig: LimbRig, root: np.ndarray, local: np.ndarray, solved: Float[np.ndarray, "F n 4"]
 ) -> Float[np.ndarray, "F J 4"]:
     """The body's local rotations with those found, and the locked joints locked."""
     local = local.astype(np.float32)
     _, turns = kinematics.forward(rig.skeleton, root.astype(np.float32), local)
-    new: dict[int, Array] = {joint: found[:, i] for i, joint in enumerate(rig.joints)}
+    new: dict[int, Array] = {joint: solved[:, i] for i, joint in enumerate(rig.joints)}
     return np.asarray(with_local_rotations(rig.skeleton, local, turns, new, rig.locked))
 
 
@@ -214,10 +214,12 @@ def _bases(rig: LimbRig, root: np.ndarray, local: np.ndarray) -> tuple[np.ndarra
 
 
 def pose_cost(
-    rig: LimbRig, local: Float[np.ndarray, "J 4"], found: Float[np.ndarray, "P n 4"]
+    rig: LimbRig, local: Float[np.ndarray, "J 4"], solved: Float[np.ndarray, "P n 4"]
 ) -> Float[np.ndarray, " P"]:
     """How far poses are from the walk's: turning the torso counts most, then an elbow held high."""
-    turned = quaternion.angle_between(found, np.broadcast_to(local[list(rig.joints)], found.shape))
+    turned = quaternion.angle_between(
+        solved, np.broadcast_to(local[list(rig.joints)], solved.shape)
+    )
     arms = {joint for limb in rig.limbs if limb.is_arm for joint in limb.joints}
     shoulders = [find_role(rig.skeleton, arm.role("shoulder")) for arm in ARMS]
     first = min((s for s in shoulders if s in arms and s is not None), default=math.inf)

@@ -96,7 +96,7 @@ def _solve(joints: Array, target: Array, tolerance: Array, max_iterations: int) 
 
 @_solve.defjvp
 def _solve_jvp(max_iterations: int, primals: tuple, tangents: tuple) -> tuple[Array, Array]:
-    """The same with a fixed number of iterations, each one kept."""
+    """New joints and their slopes, by a fixed number of iterations, each one kept."""
     joints, target, tolerance = primals
 
     def fixed(joints: Array, target: Array) -> Array:
@@ -231,8 +231,8 @@ def _finish(bones: Array, lengths: Array, target: Array, within: Array) -> Array
     straight = straight_pieces(bones, lengths, target)
     if bones.shape[0] == 1:
         return straight
-    closed, found = close_triangle(bones, target)
-    return vec.where((found & within)[None], closed, straight)
+    closed, closes = close_triangle(bones, target)
+    return vec.where((closes & within)[None], closed, straight)
 
 
 def _status(joints: Array, target: Array, solved: Array, tolerance: Array) -> Array:

@@ -164,6 +164,6 @@ def _axes(limits: JointLimits, like: Array) -> tuple[Array, Array, Array, Array]
     bx, by, bz = (bone[..., i] for i in range(3))
     ax, ay, az = (across[..., i] for i in range(3))
     second = xp.stack([by * az - bz * ay, bz * ax - bx * az, bx * ay - by * ax], axis=-1)
-    found = (xp.asarray(limits.centre), bone, across, second)
-    centre, bone, across, second = (xp.reshape(v, (*batch, *v.shape)) for v in found)
+    parts = (xp.asarray(limits.centre), bone, across, second)
+    centre, bone, across, second = (xp.reshape(v, (*batch, *v.shape)) for v in parts)
     return centre, bone, across, second

@@ -69,10 +69,10 @@ def reach_pose(
             tolerance=tolerance,
             max_iterations=max_iterations,
         )
-        found = chain_rotations(
+        solved = chain_rotations(
             skeleton, root_translation, local_rotations, chain, joints, steady=steady
         )
-        return found, status[..., None]
+        return solved, status[..., None]
     moved = moved_joints(limbs)
     ends = tuple(moved.index(limb.joints[-1]) for limb in limbs)
     above = tuple(skeleton.parents[joint] for joint in moved)
@@ -97,11 +97,11 @@ def reach_pose(
         tolerance=tolerance,
         max_iterations=max_iterations,
     )
-    found = with_local_rotations(
+    solved = with_local_rotations(
         skeleton,
         local_rotations,
         turns,
         dict(zip(moved, jnp.moveaxis(rotations, -2, 0), strict=True)),
         steady,
     )
-    return found, status
+    return solved, status

@@ -87,15 +87,15 @@ def fabrik_tree(
             jnp.asarray(offsets), base, frame, targets, *map(jnp.asarray, tree)
         )
         nearer = problem._replace(targets=_within_length(problem, lengths))
-        found = _search(nearer, rotations, starts, limits, goal, budget)
-        return found, _status(problem, found, lengths, goal)
+        solved = _search(nearer, rotations, starts, limits, goal, budget)
+        return solved, _status(problem, solved, lengths, goal)
 
     if frame is None:
         frame = jnp.zeros((*batch, 4), jnp.float32).at[..., 0].set(1.0)
     arrays = (base, rotations, targets, frame)
     flat = [jnp.reshape(jnp.asarray(a, jnp.float32), (-1, *a.shape[len(batch) :])) for a in arrays]
-    found, status = jax.vmap(one)(*flat)
-    return found.reshape(rotations.shape), status.reshape(*batch, len(ends))
+    solved, status = jax.vmap(one)(*flat)
+    return solved.reshape(rotations.shape), status.reshape(*batch, len(ends))
 
 
 def _starts(count: int, limits: JointLimits | None) -> Array:
@@ -150,8 +150,8 @@ def _search(
 
     def again(state):
         k, best, least = state
-        found, miss = climb(starts[k])
-        return k + 1, jnp.where(miss < least, found, best), jnp.minimum(miss, least)
+        solved, miss = climb(starts[k])
+        return k + 1, jnp.where(miss < least, solved, best), jnp.minimum(miss, least)
 
     if starts.shape[0]:
         state = (0, best, least)
@@ -173,10 +173,10 @@ def _lengths(offsets: Array, tree: tuple[np.ndarray, ...]) -> Array:
 
 def _within_length(problem: steps.TreeProblem, lengths: Array) -> Array:
     """The targets; those too far brought within reach, so that they do not spoil the others."""
-    way = problem.targets - problem.base[None]
-    distance = jnp.sqrt(jnp.maximum(jnp.sum(way * way, axis=-1), 1e-12))
+    displacement = problem.targets - problem.base[None]
+    distance = jnp.sqrt(jnp.maximum(jnp.sum(displacement * displacement, axis=-1), 1e-12))
     share = jnp.minimum(1.0, _REACH * jnp.sum(lengths, axis=-1) / distance)
-    near = problem.base[None] + share[:, None] * way
+    near = problem.base[None] + share[:, None] * displacement
     return jnp.where((distance > jnp.sum(lengths, axis=-1))[:, None], near, problem.targets)
 
 

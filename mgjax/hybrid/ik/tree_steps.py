@@ -69,8 +69,8 @@ def tree_tables(tree: Tree) -> tuple[np.ndarray, ...]:
         if parent >= 0:
             hanging[parent].append(joint)
     children = np.full((count, max(len(c) for c in hanging)), -1, np.int32)
-    for joint, found in enumerate(hanging):
-        children[joint, : len(found)] = found
+    for joint, members in enumerate(hanging):
+        children[joint, : len(members)] = members
     below = np.zeros((count, len(tree.ends)), bool)
     end_of = np.full(count, -1, np.int32)
     for slot, end in enumerate(tree.ends):
@@ -93,8 +93,8 @@ def place(
         places, turns = state
         parent = problem.parents[joint]
         above = jnp.where(parent < 0, problem.frame, turns[parent])
-        there = places[parent] + quaternion.rotate(above, problem.offsets[joint])
-        places = places.at[joint].set(jnp.where(parent < 0, problem.base, there))
+        placed = places[parent] + quaternion.rotate(above, problem.offsets[joint])
+        places = places.at[joint].set(jnp.where(parent < 0, problem.base, placed))
         return places, turns.at[joint].set(quaternion.multiply(above, local[joint]))
 
     return lax.fori_loop(0, count, step, (jnp.zeros_like(problem.offsets), jnp.zeros_like(local)))
@@ -136,8 +136,8 @@ def fabrik_iteration(
         new_places, new_turns, new_local = state
         parent = problem.parents[joint]
         above = jnp.where(parent < 0, problem.frame, new_turns[parent])
-        there = new_places[parent] + quaternion.rotate(above, problem.offsets[joint])
-        here = jnp.where(parent < 0, problem.base, there)
+        placed = new_places[parent] + quaternion.rotate(above, problem.offsets[joint])
+        here = jnp.where(parent < 0, problem.base, placed)
         kids, real, arms = _kids(problem, joint)
         now = forward[joint]
         turn = _fit(quaternion.rotate(now, arms), wanted[kids] - here[None], real)

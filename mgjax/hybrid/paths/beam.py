@@ -11,7 +11,7 @@ import numpy as np
 from mgjax.hybrid.paths.frontier import Frontier, Search, Terminal, concatenate
 
 SHORTLIST = 8
-"""Of so many times the width, the cheapest so far, the lower bound is computed."""
+"""The lower bound is computed of the cheapest walks so far, so many times the width."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -47,11 +47,11 @@ def branch_and_bound(
         if search.expanded >= most:
             return best, False, False
         top = _pop(stack)
-        found, limit = len(top.stop), limit_of(best, with_end)
+        taken, limit = len(top.stop), limit_of(best, with_end)
         top = top.pick(top.state[:, 4] < limit)
         if len(top.stop):
             top = top.pick(search.bounds(top, horizon) < limit)
-        search.pruned += found - len(top.stop)
+        search.pruned += taken - len(top.stop)
         if not len(top.stop):
             continue
         children, complete, reached = search.expand(top, horizon, limit)

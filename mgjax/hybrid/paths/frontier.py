@@ -81,7 +81,7 @@ class Search:
         return records
 
     def recorded(self) -> tuple[Int[np.ndarray, " R"], Int[np.ndarray, " R"]]:
-        """Of every walk that was remembered: the record it continues and the macro edge it adds."""
+        """The record that each remembered walk continues, and the macro edge that it adds."""
         return np.concatenate(self._parents), np.concatenate(self._macro_edges)
 
     def begin(self, state: Float[np.ndarray, "B 5"], stop: np.ndarray, frames: int = 0) -> Frontier:

@@ -222,7 +222,7 @@ def _receding_horizon(run: _Run, begin: Frontier) -> PathResult:
 
 
 def _chosen_start(search: Search, begin: Frontier, terminal: Terminal) -> Frontier:
-    """Of many places to begin at, the one the beam chose."""
+    """The one place to begin at that the beam chose."""
     record, _ = search.chain(terminal.record, terminal.macro_edge)
     return begin.pick(begin.record == record)
 

@@ -174,6 +174,9 @@ def fastest_turn(motion: Motion, plain: Motion) -> float:
 
 
 def fast_frames(motion: Motion, plain: Motion) -> Float[np.ndarray, " F"]:
-    """That fastest turn from each frame to the next, degrees/s; 0 where no joint turns faster."""
+    """Fastest turn of a joint from each frame to the next, degrees/s.
+
+    Only joints count that turn more than 5 % faster than in the plain motion; 0 where none does.
+    """
     turned, before = turn_speeds(motion), turn_speeds(plain)
     return np.where(turned > 1.05 * before + 1.0, turned, 0.0).max(axis=1)

@@ -69,9 +69,9 @@ def duck(body: ReachBody, motion: Motion, bar: Bar, blend: int, config: ReachCon
     for depth in np.arange(1, _DEPTHS + 1) / _DEPTHS:
         moved = _ducked(body, motion, weight, float(depth), middle, config)
         least = float(bar_clearance(body, moved, bar).min())
-        found = Duck(motion=moved, depth=float(depth), frames=(first, last))
+        trial = Duck(motion=moved, depth=float(depth), frames=(first, last))
         if best is None or least > best[0]:
-            best = least, found
+            best = least, trial
         if least >= CLEAR_M:
             break
     assert best is not None
@@ -115,10 +115,10 @@ def _ducked(
     turned = quaternion.rotate(quaternion.from_axis_angle(left, depth * _LEAN + 0 * heading), up)
     goals = base + (1 - 0.08 * depth) * turned
     key = int(np.searchsorted(rows, middle))
-    found = track_targets(
+    poses = track_targets(
         rig, root, local, np.asarray(goals)[:, None], key, local[key][list(rig.joints)]
     )
-    solved = full_pose(rig, root, local, found)
+    solved = full_pose(rig, root, local, poses)
     mixed = np.asarray(lowered.local_rotations).copy()
     mixed[rows] = quaternion.slerp(local, solved, weight[rows, None].astype(np.float32))
     return replace(lowered, local_rotations=mixed)

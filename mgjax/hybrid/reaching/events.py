@@ -176,9 +176,9 @@ def _extend(
     frame = int(np.clip(frame, ahead, sampled.frames - 1)) if frame > 0 or ahead > 0 else 0
     side = event.limbs[0].type.sign if len(event.limbs) == 1 else 0.0
     before = event.key
-    found = extensions(sampled, frame, middle, radius, side, config, path)
-    event.status = "lost" if not found else event.status
-    for extension in found:
+    longer = extensions(sampled, frame, middle, radius, side, config, path)
+    event.status = "lost" if not longer else event.status
+    for extension in longer:
         event.earliest = extension.branch
         trial = ReachEvent(numbers=event.numbers, targets=_at_end(event), limbs=event.limbs)
         if _try_placements(extension.sampled, trial, extension.branch, config):
@@ -194,5 +194,5 @@ def _extend(
 
 
 def _at_end(event: ReachEvent) -> list[Target]:
-    """The same targets, to be reached where the extended walk ends."""
+    """An event's targets, to be reached where the extended walk ends."""
     return [replace(target, when="end") for target in event.targets]

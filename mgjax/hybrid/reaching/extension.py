@@ -99,9 +99,9 @@ def rejoin(sampled: SampledWalk, target: Float[np.ndarray, "3"], curve: Curve, f
         return sampled
     number = sampled.edge_at(frame) + 1
     begin = sampled.plane_after(number)
-    there, after = curve.at(np.array(arc)), curve.at(np.array(arc + 0.1))
-    heading = math.atan2(*(after - there))
-    line = dubins(begin, np.array([heading, *there]), config.radius_m, _STEP_M)
+    meets, after = curve.at(np.array(arc)), curve.at(np.array(arc + 0.1))
+    heading = math.atan2(*(after - meets))
+    line = dubins(begin, np.array([heading, *meets]), config.radius_m, _STEP_M)
     rest = curve.at(np.arange(arc + _STEP_M, curve.length, _STEP_M))
     points = np.concatenate([line, rest])
     edges = _walk(sampled, sampled.node_after(number), begin, points, path)

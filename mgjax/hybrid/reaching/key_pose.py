@@ -75,7 +75,7 @@ def find_key_pose(
     middle = steps // 2
     drops = np.linspace(0, config.drop_m, _DROPS)
     down = drops[:, None] * np.array([[0.0, -1.0, 0.0]])
-    found = key_poses(
+    solved = key_poses(
         rig,
         root[middle] + down,
         np.repeat(local[middle][None], _DROPS, axis=0),
@@ -84,13 +84,13 @@ def find_key_pose(
     walk = local[middle], points[middle]
     cost = np.stack(
         [
-            _costs(sampled, rig, root[middle] + down[i], *walk, found[i], config) + 4.0 * drops[i]
+            _costs(sampled, rig, root[middle] + down[i], *walk, solved[i], config) + 4.0 * drops[i]
             for i in range(_DROPS)
         ]
     )
     depth, number = np.unravel_index(int(np.argmin(cost)), cost.shape)
     lowered = root + down[depth]
-    poses = track_targets(rig, lowered, local, points, middle, found[depth, number])
+    poses = track_targets(rig, lowered, local, points, middle, solved[depth, number])
     positions = _positions(rig, lowered, local, poses)
     ends = positions[:, [limb.joints[-1] for limb in limbs]]
     arms = [limb.type for limb in limbs if limb.is_arm]

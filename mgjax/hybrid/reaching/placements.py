@@ -130,18 +130,18 @@ def find_placements(
         late = np.where(frames < first, np.inf, (frames - first) / rate)
         # At the time that was asked for, whatever the body's stance.
         walking[first] = min(walking[first], 0.0) if np.isfinite(walking[first]) else np.inf
-    found = [Placement(frame=f, stop=False) for f in _best(walking + late)]
+    chosen = [Placement(frame=f, stop=False) for f in _best(walking + late)]
     if config.stop:
-        found += [Placement(frame=f, stop=True) for f in _best(standing + late)]
-    return found
+        chosen += [Placement(frame=f, stop=True) for f in _best(standing + late)]
+    return chosen
 
 
 def _best(costs: Float[np.ndarray, " F"]) -> list[int]:
     """A few frames of least cost, a few frames apart."""
     costs = costs.copy()
-    found: list[int] = []
-    while len(found) < _TRIED and np.isfinite(costs).any():
+    chosen: list[int] = []
+    while len(chosen) < _TRIED and np.isfinite(costs).any():
         best = int(np.argmin(costs))
-        found.append(best)
+        chosen.append(best)
         costs[max(best - 4, 0) : best + 5] = np.inf
-    return found
+    return chosen
