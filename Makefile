@@ -41,7 +41,7 @@ demo: $(CORE)
 	$(BIN)/mgjax demo --out out/demo
 
 test: $(DEV)
-	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
 
 test-long: $(DEV)
 	$(BIN)/python -m pytest -m long

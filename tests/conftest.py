@@ -1,4 +1,7 @@
-"""Every test runs with shapes and types checked, strict promotion and a persistent cache."""
+"""Every test runs with shapes and types checked, strict promotion and a persistent cache.
+
+Memory is bounded after each test, and the graph of real capture is built once in a process.
+"""
 
 # ruff: noqa: E402  (the hook must be installed before the imports)
 
@@ -25,11 +28,18 @@ import jax
 import numpy as np
 import pytest
 
+from mgjax.clips.folder import load_clips
+from mgjax.clips.labels import load_labels
+from mgjax.clips.types import Clip, Label
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.compilation import enable_cache
+from mgjax.graph.build import build_graph
+from mgjax.graph.types import MotionGraph
+from tests import memory
 
 enable_cache()
+memory.collect_seldom()
 jax.config.update("jax_numpy_rank_promotion", "raise")
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 
@@ -47,6 +57,11 @@ hypothesis.settings.load_profile("ci" if os.environ.get("CI") else "local")
 ROOT = Path(__file__).resolve().parent.parent
 
 
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown() -> None:
+    memory.bound()
+
+
 @pytest.fixture(scope="session")
 def capture() -> Path:
     """The folder of real capture with its MANIFEST.csv.
@@ -62,6 +77,20 @@ def capture() -> Path:
         pytest.fail(reason)
     print(reason)
     pytest.skip(reason)
+
+
+@pytest.fixture(scope="session")
+def real(capture: Path) -> tuple[list[Clip], dict[str, tuple[Label, ...]]]:
+    """The clips of real avoidance and their labels."""
+    folder = capture / "avoidance"
+    clips, _ = load_clips(folder, exclude=["bvh_converted/*"])
+    return clips, load_labels(folder / "labels.json", clips, folder)
+
+
+@pytest.fixture(scope="session")
+def real_graph(real: tuple[list[Clip], dict[str, tuple[Label, ...]]]) -> MotionGraph:
+    """The graph of all real avoidance clips at default settings."""
+    return build_graph(real[0], labels=real[1])
 
 
 def make_skeleton() -> Skeleton:

@@ -86,7 +86,7 @@ class Config:
             "threshold_m": EMBEDDED_M,
             "thresholds_m": (EMBEDDED_M,),
             "mirrored": False,
-            "balls": 3,
+            "balls": 1,
             "speeds": (8.0, 12.0),
             "heights": (0.6, 1.5),
             "sectors": 2,

@@ -11,7 +11,6 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Circle
 
-from mgjax.avoidance.attacks.ball import BALL_RADIUS_M
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import BALL_RADIUS_M
 from mgjax.avoidance.coverage.shares import cells, outcomes, worst_cells

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
-from mgjax.clips.folder import load_clips
-from mgjax.clips.labels import load_labels
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
@@ -19,15 +15,6 @@ def made_graph() -> MotionGraph:
     """The graph of the procedural clips, with enough transitions to avoid something."""
     clips, labels = synthetic_clips()
     return build_graph(clips, labels=labels, config=GraphConfig(threshold_m=0.05))
-
-
-@pytest.fixture(scope="session")
-def real_graph(capture: Path) -> MotionGraph:
-    """The graph of the avoidance capture."""
-    folder = capture / "avoidance"
-    clips, _ = load_clips(folder, exclude=("bvh_converted/*",))
-    labels = load_labels(folder / "labels.json", clips, folder)
-    return build_graph(clips, labels=labels)
 
 
 @pytest.fixture(scope="session", params=["made", "real"])

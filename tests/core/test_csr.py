@@ -36,3 +36,17 @@ def test_by_loops() -> None:
     assert np.stack(csr.expand(counts), axis=-1).tolist() == [list(pair) for pair in wanted]
     wanted = [(i, k) for i, key in enumerate(keys) for k in range(starts[key], starts[key + 1])]
     assert np.stack(csr.expand_rows(starts, keys), axis=-1).tolist() == [list(p) for p in wanted]
+
+
+def test_by_hand_of_keys() -> None:
+    first = np.array([0, 2, 2, 5])  # two items, none, three
+    row, position = csr.expand_rows(first, np.array([2, 1, 0, 2]))
+    assert row.tolist() == [0, 0, 0, 2, 2, 3, 3, 3]
+    assert position.tolist() == [2, 3, 4, 0, 1, 2, 3, 4]
+
+
+def test_nothing_to_expand() -> None:
+    none = np.zeros(0, np.int64)
+    for first, keys in ((np.array([0]), none), (np.array([0, 0]), np.array([0, 0]))):
+        row, position = csr.expand_rows(first, keys)
+        assert row.shape == position.shape == (0,)

@@ -89,10 +89,16 @@ def part_times(graph, part, rate) -> list[float]:
     return [*times, stop]
 
 
-def depth(point, bodies, radii) -> float:
-    """How deep a point is inside the first body and outside some other; negative if it is not."""
-    gaps = [float((np.linalg.norm(point - body, axis=1) - radii).min()) for body in bodies]
-    return min(-gaps[0], max(gaps))
+def depths(points, bodies, radii) -> np.ndarray:
+    """How deep points are inside the first body and outside some other; negative if they are not.
+
+    points: [..., 3]; bodies: places of the spheres, [S, 3] each.
+    """
+    gaps = [
+        (np.linalg.norm(points[..., None, :] - body, axis=-1) - radii).min(axis=-1)
+        for body in bodies
+    ]
+    return np.minimum(-gaps[0], np.max(gaps, axis=0))
 
 
 def cells_of_walk(bodies: Bodies, walk, part, rate) -> tuple[set, set]:
@@ -109,19 +115,15 @@ def cells_of_bodies(spheres, radii) -> tuple[set, set]:
     """The same for given places of the spheres."""
     low = np.floor((spheres[0] - radii[:, None]).min(axis=0) / CELL).astype(int)
     high = np.floor((spheres[0] + radii[:, None]).max(axis=0) / CELL).astype(int)
-    sure, perhaps = set(), set()
-    ranges = (range(a, b + 1) for a, b in zip(low, high, strict=True))
-    for cell in product(*ranges):
-        middle = (np.array(cell) + 0.5) * CELL
-        gap = float((np.linalg.norm(middle - spheres[0], axis=1) - radii).min())
-        if gap > 0.5 * CELL:  # the sub-points are 0.43 cells from the middle
-            continue
-        corners = [(np.array(cell) + 0.25 + 0.5 * np.array(s)) for s in product((0, 1), repeat=3)]
-        depths = [depth(corner * CELL, spheres, radii) for corner in corners]
-        if max(depths) > TIE:
-            sure.add(cell)
-        elif max(depths) >= -TIE:
-            perhaps.add(cell)
+    ranges = [range(a, b + 1) for a, b in zip(low, high, strict=True)]
+    cells = np.array(list(product(*ranges)))
+    middles = (cells + 0.5) * CELL
+    gap = (np.linalg.norm(middles[:, None] - spheres[0], axis=-1) - radii).min(axis=-1)
+    cells = cells[gap <= 0.5 * CELL]  # the sub-points are 0.43 cells from the middle
+    corners = cells[:, None] + 0.25 + 0.5 * np.array(list(product((0, 1), repeat=3)))
+    deepest = depths(corners * CELL, spheres, radii).max(axis=1)
+    sure = {tuple(cell) for cell in cells[deepest > TIE].tolist()}
+    perhaps = {tuple(cell) for cell in cells[np.abs(deepest) <= TIE].tolist()}
     return sure, perhaps
 
 

@@ -199,7 +199,14 @@ def run_at_smoke_size(tmp_path_factory) -> Callable[[str], dict[str, Any]]:
     return lambda name: smoke_run(name, base / name)
 
 
-@pytest.mark.parametrize("name", discovered())
+SLOW = ("experiments.benchmarks.fabrik", "experiments.benchmarks.random_attacks")
+"""Each compiles some twenty programs that no test shares, a minute's work."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.long if n in SLOW else ()) for n in discovered()],
+)
 def test_every_experiment(name, run_at_smoke_size):
     module = importlib.import_module(name)
     assert module.Config.__dataclass_params__.frozen

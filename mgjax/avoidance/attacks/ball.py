@@ -11,6 +11,7 @@ from scipy.optimize import minimize_scalar, root_scalar
 
 from mgjax.avoidance.attacks.attack import MAX_SECONDS, Attack
 from mgjax.avoidance.config import BALL_RADIUS_M
+from mgjax.core.ballistics import drag_factors
 from mgjax.core.errors import AttackError
 
 GRAVITY_M_S2 = 9.8
@@ -85,7 +86,7 @@ def ball_attack(
     since = _evenly(known, flight, rate)
     if until - flight > 1e-6:
         since = np.concatenate([since[:-1], _evenly(flight, until, rate)])
-    coast, fall = _flight_factors(since, drag)
+    coast, fall = drag_factors(since, drag)
     centres = a + velocity * coast[:, None] + pull * fall[:, None]
     return Attack(
         times=since + launch,
@@ -95,26 +96,39 @@ def ball_attack(
     )
 
 
+def ball_from(
+    angle: float,
+    height: float,
+    *,
+    distance: float = 5.0,
+    at: tuple[float, float] = (0.0, 0.0),
+    speed: float = 10.0,
+    arrives: float = 1.2,
+    gravity: bool = False,
+) -> Attack:
+    """A ball thrown from a side, at the height at which it passes a vertical.
+
+    Args:
+        angle: where it comes from, rad from ahead (+Z) towards the left (+X).
+        height: of the throw and of the place it is aimed at, m.
+        distance: from where it is thrown to the vertical, m.
+        at: x and z of the vertical, m; default: the body's axis.
+        speed, arrives, gravity: see :func:`ball_attack`.
+
+    Raises:
+        AttackError: a number out of range.
+    """
+    target = np.array([at[0], height, at[1]])
+    start = target + distance * np.array([np.sin(angle), 0.0, np.cos(angle)])
+    return ball_attack(start, target, speed=speed, arrives=arrives, gravity=gravity)
+
+
 def _evenly(start: float, stop: float, rate: float) -> np.ndarray:
     return np.linspace(start, stop, max(2, int(np.ceil((stop - start) * rate)) + 1))
 
 
-def _flight_factors(t: np.ndarray, drag: float) -> tuple[np.ndarray, np.ndarray]:
-    """Factors of launch velocity and of gravity in the way covered in t seconds.
-
-    The way is v · (1 − e^−ct)/c + g · (ct − 1 + e^−ct)/c²; without drag v · t + g · t²/2.
-    """
-    u = drag * t
-    safe = np.where(u > 0, u, 1.0)
-    coast = np.where(u > 0, -np.expm1(-u) / safe, 1.0)
-    # The fraction loses its digits where u is small; there the series of seven terms is exact.
-    series = np.polyval([1 / 40320, -1 / 5040, 1 / 720, -1 / 120, 1 / 24, -1 / 6, 1 / 2], u)
-    fall = np.where(u > 0.02, (u + np.expm1(-u)) / safe**2, series)
-    return t * coast, t * t * fall
-
-
 def _factors_at(t: float, drag: float) -> tuple[float, float]:
-    coast, fall = _flight_factors(np.array([t]), drag)
+    coast, fall = drag_factors(np.array([t]), drag)
     return float(coast[0]), float(fall[0])
 
 

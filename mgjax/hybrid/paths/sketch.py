@@ -13,16 +13,16 @@ needed:
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from mgjax.core.errors import FileFormatError, PathError
+from mgjax.io.json_text import parse_json
 from mgjax.io.text import parse_number, quoted, read_text, split_lines
 
 MAX_LENGTH_M = 1000.0
@@ -177,16 +177,7 @@ def _from_csv(path: str | Path, text: str) -> dict[str, Any]:
 
 
 def _from_json(path: str | Path, text: str) -> dict[str, Any]:
-    def refuse(word: str) -> NoReturn:
-        raise FileFormatError(path, None, word, "finite numbers")
-
-    try:
-        root = json.loads(text, parse_int=float, parse_constant=refuse)
-    except json.JSONDecodeError as error:
-        got = f"no JSON ({error.msg})"
-        raise FileFormatError(path, error.lineno, got, "a JSON object with points") from None
-    except RecursionError:
-        raise FileFormatError(path, None, "JSON nested too deep", "a JSON object") from None
+    root = parse_json(path, text, expected="a JSON object with points")
     if isinstance(root, list):
         root = {"points": root}
     if not isinstance(root, dict) or "points" not in root:

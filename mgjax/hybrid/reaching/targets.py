@@ -14,11 +14,10 @@ targets with the same time that is not ``"passing"`` are reached together.
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -26,6 +25,7 @@ from scipy.interpolate import PchipInterpolator
 
 from mgjax.core.errors import FileFormatError, ReachError
 from mgjax.hybrid.ik.limbs import LIMB_TYPES, LIMBS, LimbKind
+from mgjax.io.json_text import parse_json
 from mgjax.io.text import quoted, read_text
 
 WORDS = ("start", "passing", "end")
@@ -180,18 +180,12 @@ def load_targets(path: str | Path) -> tuple[Target, ...]:
     Raises:
         FileFormatError: names the file, the target, what stands there and what should.
     """
-    text = read_text(path, "reach")
-
-    def refuse(word: str) -> NoReturn:
-        raise FileFormatError(path, None, word, "finite numbers")
-
-    try:
-        root = json.loads(text, parse_int=float, parse_constant=refuse)
-    except json.JSONDecodeError as error:
-        got = f"no JSON ({error.msg})"
-        raise FileFormatError(path, error.lineno, got, "a JSON list of targets") from None
-    except RecursionError:
-        raise FileFormatError(path, None, "JSON nested too deep", "a list of targets") from None
+    root = parse_json(
+        path,
+        read_text(path, "reach"),
+        expected="a JSON list of targets",
+        nested="a list of targets",
+    )
     rows = root.get("targets") if isinstance(root, dict) and set(root) == {"targets"} else root
     if not isinstance(rows, list) or not 1 <= len(rows) <= MAX_TARGETS:
         got = f"{len(rows)} targets" if isinstance(rows, list) else "something else"

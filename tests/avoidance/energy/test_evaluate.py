@@ -123,14 +123,28 @@ def slowly(
         config=config.energy,
     )
     timescale = energy_reference.time_scale_energy(s, config.energy.E_time)
+    counted = np.array([*seconds[:-1], 0.5 * (begin + end)])
+    free = counted[(fast if counted.sum() > crop.middle else slow)[edges]].sum()
     e = config.energy
     return {
         "status": status,
         "s_time": s,
+        "s_error": 0.0 if s == 1.0 else rounding(counted, crop.middle) / free,
         "timescale": timescale,
         "total": e.w_a * wanted.avoidance + e.w_b * wanted.body + e.w_t * timescale,
         **vars(wanted),
     }
+
+
+def rounding(counted: np.ndarray, t_attack: float) -> float:
+    """How far float32 may be off in t_attack − t_nonadjustable, s.
+
+    The durations are rounded, then added up in an order that differs from processor to processor:
+    each of the n summands and partial sums is off by half a unit in the last place, 2⁻²⁴ of the
+    whole sum, at most. t_nonadjustable is the difference of two such sums.
+    """
+    whole = counted.sum()
+    return 2.0**-24 * (t_attack + 2 * (len(counted) + 1) * whole)
 
 
 @pytest.mark.parametrize("speed", [10.0, 1.5])
@@ -147,10 +161,19 @@ def test_agrees_with_the_definitions(any_graph: MotionGraph, name: str, speed: f
     for index in chosen:
         wanted = slowly(any_graph, candidates, int(index), attack, crop, config, exact_poses=False)
         assert wanted.pop("status") == "ok"
+        # Where t_attack is all but t_nonadjustable, s_time is a difference of nearly equal numbers
+        # and eq. 9 divides by it: 1/s changes by at most Δs / (s (s − Δs)).
+        s, error = wanted["s_time"], wanted.pop("s_error") + 1e-6 * wanted["s_time"]
+        change = max(error, error / (s * max(s - error, 1e-9))) / config.energy.E_time
         for key, value in wanted.items():
             value = min(float(value), FAR)
-            scale = max(1.0, abs(value)) if key == "penetration" else 1.0
-            assert abs(got[key][index] - value) < 2e-3 * scale, (key, got[key][index], value)
+            allowed = {
+                "s_time": error,
+                "timescale": change + 1e-6 * value,
+                "total": 2e-3 + config.energy.w_t * change,
+                "penetration": 2e-3 * max(1.0, abs(value)),
+            }.get(key, 2e-3)
+            assert abs(got[key][index] - value) < allowed, (key, got[key][index], value)
     for index in np.flatnonzero(got["status"] != OK)[:3]:
         wanted = slowly(any_graph, candidates, int(index), attack, crop, config, exact_poses=False)
         assert wanted["status"] != "ok"
@@ -201,14 +224,14 @@ def test_padding_changes_nothing(made_graph: MotionGraph) -> None:
 def test_times_in_lots_change_nothing(
     made_graph: MotionGraph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Five times as many evaluated as fit into one lot, or all of them in one.
-    config = AvoidanceConfig(evaluation_step_s=0.002)
+    # All evaluated times in one lot, or in five.
+    config = AvoidanceConfig()
     candidates, attack, crop = searched(made_graph, config, seed=2)
-    assert evaluated(attack, crop, config) > 4 * TIMES
-    in_lots = judged(made_graph, candidates, attack, crop, config)
-    jax.clear_caches()
-    monkeypatch.setattr(accumulate, "TIMES", 128)
+    assert 4 * 4 + 1 < evaluated(attack, crop, config) <= min(5 * 4 + 1, TIMES)
     at_once = judged(made_graph, candidates, attack, crop, config)
+    jax.clear_caches()
+    monkeypatch.setattr(accumulate, "TIMES", 5)  # each lot begins with the last of the one before
+    in_lots = judged(made_graph, candidates, attack, crop, config)
     jax.clear_caches()
     for key in ("d", "d0", "penetration", "avoidance", "body", "total"):
         np.testing.assert_allclose(at_once[key], in_lots[key], atol=2e-5, err_msg=key)

@@ -229,23 +229,32 @@ def test_the_result_is_written_and_read(skeleton, poses, tmp_path) -> None:
     np.testing.assert_allclose(joints[:, end], targets[:, 0], atol=2e-3)
 
 
+CAPTURED = (
+    "locomotion/cmu16/16_08.amc",
+    "locomotion/cmu131_bvh/131_01.bvh",
+    "ball/cmu135_bvh/135_04.bvh",
+)
+
+
 @pytest.mark.parametrize(
-    "file",
+    ("file", "name"),
     [
-        "locomotion/cmu16/16_08.amc",
-        "locomotion/cmu131_bvh/131_01.bvh",
-        "ball/cmu135_bvh/135_04.bvh",
+        # Each limb on one skeleton; every pair is a program of its own.
+        pytest.param(file, name, marks=() if i == j else pytest.mark.long)
+        for i, file in enumerate(CAPTURED)
+        for j, name in enumerate(LIMBS)
     ],
 )
-def test_captured_skeletons(capture, file) -> None:
+def test_captured_skeletons(capture, file, name) -> None:
     skeleton, motion = load_motion(capture / file)
     roots = np.asarray(motion.root_translation[:FRAMES], np.float32)
     local = np.asarray(motion.local_rotations[:FRAMES], np.float32)
-    for name in LIMBS:
-        limb = find_limb(skeleton, name)
+    for each in LIMBS:
+        limb = find_limb(skeleton, each)
         assert moved_joints((limb,)) == limb.joints
-        targets = near(skeleton, (roots, local), (limb,))
-        found, status = reach_pose(skeleton, roots, local, targets, limbs=(limb,))
-        assert (np.asarray(status) == REACHED).all()
-        joints, _ = places(skeleton, roots, found)
-        np.testing.assert_allclose(joints[:, limb.joints[-1]], targets[:, 0], atol=1.5e-3)
+    limb = find_limb(skeleton, name)
+    targets = near(skeleton, (roots, local), (limb,))
+    found, status = reach_pose(skeleton, roots, local, targets, limbs=(limb,))
+    assert (np.asarray(status) == REACHED).all()
+    joints, _ = places(skeleton, roots, found)
+    np.testing.assert_allclose(joints[:, limb.joints[-1]], targets[:, 0], atol=1.5e-3)
