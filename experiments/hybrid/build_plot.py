@@ -16,13 +16,13 @@ from mgjax.graph.distance import distance_matrix
 from mgjax.graph.minima import find_minima
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.macro.macro_edges import build_macro_edges
 from mgjax.hybrid.paths.beam import run_beam
 from mgjax.hybrid.paths.branch_and_bound import branch_and_bound
 from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.frontier import NO_RECORD, Search
 from mgjax.hybrid.paths.kernel import make_request
-from mgjax.hybrid.paths.macro_edges import stride_tables
-from mgjax.hybrid.paths.result import PathResult, lay_out
+from mgjax.hybrid.paths.result import PathResult, place_pieces
 from mgjax.hybrid.paths.sketch import Sketch
 from mgjax.pictures.walk import top_view
 
@@ -79,28 +79,29 @@ def fewer_figure(sketch: Sketch, walks: dict[str, tuple[MotionGraph, PathResult]
 def unrolled_figure(graph: MotionGraph, sketch: Sketch, config: PathConfig) -> Figure:
     """The partial walks that one horizon of the exact search remembers, and the best of them."""
     curve = make_curve(sketch)
-    search = Search(strides=stride_tables(graph), request=make_request(curve, sketch, config))
+    request = make_request(curve, sketch, config)
+    search = Search(macro_edges=build_macro_edges(graph), request=request)
     state = np.zeros((graph.num_nodes, 5), dtype=np.float32)
     state[:, :3] = curve.start()
     begin = search.begin(state, np.arange(graph.num_nodes))
     horizon = round(config.horizon_s * graph.frame_rate)
     first = run_beam(search, begin, width=config.beam_width, horizon=horizon)
-    leaf = first.best or first.farthest
-    origin, _ = search.chain(leaf.record, leaf.stride)
+    terminal = first.best or first.farthest
+    origin, _ = search.chain(terminal.record, terminal.macro_edge)
     begin = begin.pick(begin.record == origin)
     best, _, _ = branch_and_bound(
         search, begin, horizon=horizon, best=first.best, expansions=config.expansions
     )
-    leaf = best or leaf
-    _, pieces = search.chain(leaf.record, leaf.stride)
-    way = lay_out(graph, search.strides.pieces, pieces, curve.start()).places
+    terminal = best or terminal
+    _, pieces = search.chain(terminal.record, terminal.macro_edge)
+    root = place_pieces(graph, search.macro_edges.pieces, pieces, curve.start()).places
     figure = Figure(figsize=(8, 8), layout="constrained")
     axes = figure.subplots()
     axes.set_facecolor("#222")
     lines = _unrolled(search, curve.start())
     axes.add_collection(LineCollection(lines, colors="white", linewidths=0.3, alpha=0.35))
     axes.plot(*curve.points.T, color="#f1c40f", linewidth=3, label="sketch")
-    axes.plot(*way.T, color="#e74c3c", linewidth=1.5, label="best walk of this horizon")
+    axes.plot(*root.T, color="#e74c3c", linewidth=1.5, label="best walk of this horizon")
     axes.autoscale_view()
     axes.set_aspect("equal")
     axes.invert_xaxis()
@@ -111,19 +112,21 @@ def unrolled_figure(graph: MotionGraph, sketch: Sketch, config: PathConfig) -> F
 
 
 def _unrolled(search: Search, start: np.ndarray) -> list[np.ndarray]:
-    """The root's way over every stride that was remembered, in the world. A parent comes first."""
-    parents, strides = search.recorded()
-    tables = search.strides
+    """The root over every macro edge that was remembered, in the world; a parent comes first."""
+    parents, macro_edges = search.recorded()
+    tables = search.macro_edges
     tracks = np.asarray(tables.track)
     places = np.zeros((len(parents), 3))
     lines = []
-    for record, (parent, stride) in enumerate(zip(parents.tolist(), strides.tolist(), strict=True)):
+    for record, (parent, macro_edge) in enumerate(
+        zip(parents.tolist(), macro_edges.tolist(), strict=True)
+    ):
         if parent == NO_RECORD:
             places[record] = start
             continue
-        own = tracks[stride, :2, : tables.frames[stride]].astype(np.float64)
+        own = tracks[macro_edge, :2, : tables.frames[macro_edge]].astype(np.float64)
         flat = np.stack([own[0], 0 * own[0], own[1]], axis=-1)
-        way = np.asarray(planar.apply(places[parent], flat))[:, ::2]
-        lines.append(np.concatenate([places[parent][None, 1:], way]))
-        places[record] = planar.compose(places[parent], tables.end[stride])
+        root = np.asarray(planar.apply(places[parent], flat))[:, ::2]
+        lines.append(np.concatenate([places[parent][None, 1:], root]))
+        places[record] = planar.compose(places[parent], tables.end[macro_edge])
     return lines

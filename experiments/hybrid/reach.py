@@ -23,7 +23,7 @@ from experiments.hybrid.reach_plot import grid_place, strip, success_map
 from experiments.hybrid.shapes import graph_of, sketches
 from mgjax.core.kinematics import forward, global_positions
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.body.limb_limits import reach_limits
+from mgjax.hybrid.body.limb_limits import make_limb_limits
 from mgjax.hybrid.config import PathConfig, ReachConfig
 from mgjax.hybrid.ik.chain import fabrik
 from mgjax.hybrid.ik.limbs import find_limb
@@ -72,6 +72,8 @@ class Config:
     """Measurements of a time."""
     figures: int = 9
     """Poses in the picture of the S-curve."""
+    arrive_m: float = 0.01
+    """A target counts as reached within this distance over the whole hold, m."""
     reach: ReachConfig = field(default_factory=ReachConfig)
     """Settings of reaching."""
 
@@ -161,7 +163,7 @@ def _grid(
         result = reach(graph, line, (target,), config=settings, path=path)
         table["seconds"][place] = time.perf_counter() - begun
         row = result.targets[0]
-        arrived = row.status == "reached" and row.hold_m <= settings.arrive_m
+        arrived = row.status == "reached" and row.hold_m <= config.arrive_m
         table["reached"][place] = arrived
         table["extended"][place] = row.extended_m > 0
         table["error"][place] = row.error_m if arrived else np.nan
@@ -219,7 +221,7 @@ def _ik_times(graph: MotionGraph, config: Config) -> dict[str, float]:
     aim *= rng.uniform(0.3, 0.6, (config.batch, 1)) / np.linalg.norm(aim, axis=1, keepdims=True)
     target = (places[:, limb.joints[4]] + aim).astype(np.float32)
     chains = places[:, list(limb.joints)]
-    limits = reach_limits(graph, (limb,))
+    limits = make_limb_limits(graph).of((limb,))
 
     def pose(count: int, use: Any) -> Callable[[], Any]:
         arrays = (root[:count], local[:count], target[:count, None])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -11,7 +9,7 @@ from matplotlib.figure import Figure
 from mgjax.core import planar
 from mgjax.core.kinematics import global_positions
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.body.capsules import body_of
+from mgjax.hybrid.body.capsules import Capsules, make_capsules
 from mgjax.hybrid.ik.limbs import find_limb
 from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.sketch import Sketch
@@ -113,9 +111,9 @@ def strip(graph: MotionGraph, sketch: Sketch, result: ReachResult, count: int) -
     axes.axis("off")
     # Points per metre, so that limbs are as thick as they are.
     unit = 72 * min(12 / (high[0] - low[0]), 5.2 / (high[1] - low[1])) * 0.95
-    body = body_of(graph.skeleton)
+    capsules = make_capsules(graph.skeleton)
     for frame in sorted(chosen, key=lambda f: -float(project(positions[f, :1])[0, 2])):
-        _figure(axes, body, positions[frame], unit, 1.0 if frame in held else 0.62)
+        _figure(axes, capsules, positions[frame], unit, 1.0 if frame in held else 0.62)
     axes.legend(fontsize=8, loc="lower right", frameon=False, ncols=4)
     return figure
 
@@ -131,18 +129,19 @@ def moments(positions: np.ndarray, middle: int, count: int) -> list[int]:
     return sorted({*frames.tolist(), middle})
 
 
-def _figure(axes: Axes, body: Any, pose: np.ndarray, unit: float, alpha: float) -> None:
+def _figure(axes: Axes, capsules: Capsules, pose: np.ndarray, unit: float, alpha: float) -> None:
     """Capsules, those behind first."""
-    ends = project(pose[body.joints])
+    ends = project(pose[capsules.joints])
     depth = ends[..., 2].mean(axis=1)
     base = 100 + 40 * float(-project(pose[:1])[0, 2])
     order = np.argsort(-depth)
     shadow = project(pose[:1] * [1, 0, 1])[0]
     axes.plot(*shadow[:2], "o", color="k", markersize=0.3 * unit, alpha=0.07, zorder=2)
-    names = {"left_hand": LEFT, "right_hand": RIGHT}
+    colours = {"left": LEFT, "right": RIGHT}
     for rank, bone in enumerate(order.tolist()):
-        colour = names.get(body.limbs[bone], CORE)
-        width = 1.7 * body.radii[bone] * unit
+        limb = capsules.limbs[bone]
+        colour = CORE if limb is None else colours[limb.side]
+        width = 1.7 * capsules.radii[bone] * unit
         for grow, shade in ((1.2, "white"), (0.0, colour)):
             above = base + 0.01 * (rank + 0.5 * (grow == 0))
             axes.plot(

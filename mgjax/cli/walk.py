@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 from mgjax.cli.arguments import Walk
@@ -11,7 +12,7 @@ from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import NO_CLIP, MotionGraph
-from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.config import PathConfig, WalkConfig
 from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.result import PathResult
 from mgjax.hybrid.paths.search import follow
@@ -21,13 +22,14 @@ from mgjax.hybrid.reaching.targets import load_targets
 from mgjax.hybrid.reaching.walk import reach
 from mgjax.io.bvh_write import save_bvh
 from mgjax.io.output import output_folder
-from mgjax.io.toml_file import load_config
+from mgjax.io.toml_file import load_config, read_toml
 from mgjax.pictures.walk import walk_picture
 
 
 def run(command: Walk) -> None:
     """Searches the walk and writes what came of it."""
-    config = load_config(command.config, PathConfig) if command.config else PathConfig()
+    settings = load_settings(command.config) if command.config else WalkConfig()
+    config = settings.path
     if command.method is not None:
         config = replace(config, method=command.method)
     if command.seconds is not None:
@@ -42,7 +44,7 @@ def run(command: Walk) -> None:
             reached = None
             walked = follow(graph, sketch, config=config)
         else:
-            reached = reach(graph, sketch, targets, path=config)
+            reached = reach(graph, sketch, targets, config=settings.reach, path=config)
             walked = reached.walked
         motion = walked.motion if reached is None else reached.motion
         result = walk_json(graph, walked, make_curve(sketch).length)
@@ -54,6 +56,18 @@ def run(command: Walk) -> None:
         save_bvh(folder / "motion.bvh", graph.skeleton, motion)
         walk_picture(folder / "walk.png", graph, sketch, walked, reached)
     emit(result, [*lines, f"written to {command.out}"], as_json=command.json)
+
+
+def load_settings(path: str | Path) -> WalkConfig:
+    """Settings from a file with the sections ``[path]`` and ``[reach]``, or with the path's alone.
+
+    Raises:
+        FileFormatError, ConfigError: as :func:`mgjax.io.toml_file.load_config`.
+    """
+    _, document = read_toml(path)
+    if {field.name for field in fields(WalkConfig)} & document.keys():
+        return load_config(path, WalkConfig)
+    return WalkConfig(path=load_config(path, PathConfig))
 
 
 def walk_json(graph: MotionGraph, walked: PathResult, length: float) -> dict[str, Any]:

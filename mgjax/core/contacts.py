@@ -1,4 +1,4 @@
-"""When a foot is planted."""
+"""When a foot is planted, and how far it travels over the floor."""
 
 from __future__ import annotations
 
@@ -38,3 +38,20 @@ def planted(
     xp = namespace(positions)
     velocity = joint_velocities(positions, frame_rate)
     return (positions[..., 1] < height) & (xp.sum(velocity**2, axis=-1) < speed**2)
+
+
+def stays_planted(plants: Bool[Array, "*f"]) -> Bool[Array, "*g"]:
+    """Between which frames a foot should stand still: it is planted in both. [F − 1, …]"""
+    return plants[1:] & plants[:-1]
+
+
+def floor_steps(positions: Float[Array, "*f 3"], *, softening: float = 0.0) -> Float[Array, "*g"]:
+    """Metres that points travel over the floor from each frame to the next. [F − 1, …]
+
+    Args:
+        positions: m.
+        softening: m², added under the root; above 0 the slope is finite for points at rest.
+    """
+    step = positions[1:, ..., ::2] - positions[:-1, ..., ::2]
+    square = namespace(positions).sum(step * step, axis=-1)
+    return namespace(positions).sqrt(square + softening if softening else square)

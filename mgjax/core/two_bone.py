@@ -72,3 +72,29 @@ def solve(
     new_ankle = knee + quaternion.rotate(knee_turn, shin)
     hip_turn = quaternion.from_two_vectors(new_ankle - hip, target - hip)
     return hip_turn, knee_turn
+
+
+def local_rotations(
+    hip_turn: Float[Array, "*b 4"],
+    knee_turn: Float[Array, "*b 4"],
+    above: Float[Array, "*b 4"],
+    hip: Float[Array, "*b 4"],
+    knee: Float[Array, "*b 4"],
+    ankle: Float[Array, "*b 4"],
+) -> tuple[Float[Array, "*b 4"], Float[Array, "*b 4"], Float[Array, "*b 4"]]:
+    """Local rotations of hip, knee and ankle after the turns that :func:`solve` finds.
+
+    The foot keeps its orientation in the world.
+
+    Args:
+        hip_turn, knee_turn: as :func:`solve` returns them.
+        above: world rotation of what the hip hangs on.
+        hip, knee, ankle: present world rotations.
+    """
+    thigh = quaternion.multiply(hip_turn, hip)
+    shin = quaternion.multiply(quaternion.multiply(hip_turn, knee_turn), knee)
+    return (
+        quaternion.multiply(quaternion.conjugate(above), thigh),
+        quaternion.multiply(quaternion.conjugate(thigh), shin),
+        quaternion.multiply(quaternion.conjugate(shin), ankle),
+    )

@@ -17,7 +17,8 @@ from jaxtyping import Bool, Float
 
 from mgjax.core import quaternion, two_bone
 from mgjax.core.arrays import Array
-from mgjax.core.contacts import foot_joints
+from mgjax.core.contacts import floor_steps, foot_joints, stays_planted
+from mgjax.core.easing import smoothstep
 from mgjax.core.errors import SkeletonError
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton, require_roles
@@ -43,26 +44,25 @@ def foot_chains(skeleton: Skeleton) -> FootChains:
         SkeletonError: a joint of the legs is missing, or there are joints between hip, knee and
             ankle.
     """
-    found = require_roles(
+    joints = require_roles(
         skeleton, [f"{s}_{j}" for j in ("hip", "knee", "ankle") for s in ("left", "right")]
     )
-    for upper, lower in zip(found[:4], found[2:], strict=True):
+    for upper, lower in zip(joints[:4], joints[2:], strict=True):
         if skeleton.parents[lower] != upper:
             names = skeleton.names
             raise SkeletonError(f"{names[lower]!r} does not hang directly on {names[upper]!r}")
     return FootChains(
-        hips=(found[0], found[1]),
-        knees=(found[2], found[3]),
-        ankles=(found[4], found[5]),
+        hips=(joints[0], joints[1]),
+        knees=(joints[2], joints[3]),
+        ankles=(joints[4], joints[5]),
         balls=foot_joints(skeleton),
     )
 
 
 def slide_per_frame(ball: Float[Array, "W 3"], planted: Bool[Array, " W"]) -> Float[Array, ""]:
     """Metres that a foot travels over the floor while planted, per step between frames."""
-    step = ball[1:, ::2] - ball[:-1, ::2]
-    moved = jnp.sqrt(jnp.sum(step * step, axis=1) + 1e-20)
-    return jnp.sum(jnp.where(planted[1:] & planted[:-1], moved, 0.0)) / (ball.shape[0] - 1)
+    moved = floor_steps(ball, softening=1e-20)
+    return jnp.sum(jnp.where(stays_planted(planted), moved, 0.0)) / (ball.shape[0] - 1)
 
 
 def close_gaps(planted: Bool[Array, " W"], longest: int) -> Bool[Array, " W"]:
@@ -94,7 +94,7 @@ def held_places(ball: Float[Array, "W 3"], planted: Bool[Array, " W"]) -> Float[
     mean = (same.astype(ball.dtype) @ ball) / members[:, None]
     with_first, with_last = same[:, 0], same[:, -1]
     u = index.astype(ball.dtype) / (count - 1)
-    ease = (3 * u**2 - 2 * u**3)[:, None]
+    ease = smoothstep(u)[:, None]
     through = ball[:1] * (1 - ease) + ball[-1:] * ease
     place = jnp.where(with_last[:, None], ball[-1:], mean)
     place = jnp.where(with_first[:, None], ball[:1], place)
@@ -105,7 +105,7 @@ def held_places(ball: Float[Array, "W 3"], planted: Bool[Array, " W"]) -> Float[
     before = jax.lax.cummax(jnp.where(known, index, 0))
     after = jax.lax.cummin(jnp.where(known, index, count - 1), reverse=True)
     t = (index - before).astype(ball.dtype) / jnp.maximum(after - before, 1).astype(ball.dtype)
-    t = (3 * t**2 - 2 * t**3)[:, None]
+    t = smoothstep(t)[:, None]
     shift = shift[before] * (1 - t) + shift[after] * t
     return ball + shift * jnp.array([1.0, 0.0, 1.0], dtype=ball.dtype)[None]
 
@@ -171,16 +171,10 @@ def _turn_leg(
     moved: Array,
 ) -> jax.Array:
     """Local rotations of a leg after turning thigh and shin in the world, the foot's kept."""
-    hip, knee, ankle = leg
-    above = turns[:, skeleton.parents[hip]]
-    thigh = quaternion.multiply(hip_turn, turns[:, hip])
-    shin = quaternion.multiply(quaternion.multiply(hip_turn, knee_turn), turns[:, knee])
-    new = {
-        hip: quaternion.multiply(quaternion.conjugate(above), thigh),
-        knee: quaternion.multiply(quaternion.conjugate(thigh), shin),
-        ankle: quaternion.multiply(quaternion.conjugate(shin), turns[:, ankle]),
-    }
-    for joint, local in new.items():
+    new = two_bone.local_rotations(
+        hip_turn, knee_turn, turns[:, skeleton.parents[leg[0]]], *(turns[:, j] for j in leg)
+    )
+    for joint, local in zip(leg, new, strict=True):
         rotations = rotations.at[:, joint].set(
             jnp.where(moved[:, None], local, rotations[:, joint])
         )

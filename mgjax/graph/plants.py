@@ -1,20 +1,31 @@
-"""How far planted feet slide."""
+"""Planted feet: where they are in a graph, and how far they slide."""
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Int
 
-from mgjax.core.contacts import foot_joints, planted
+from mgjax.core.arrays import Array, namespace
+from mgjax.core.contacts import floor_steps, foot_joints, planted, stays_planted
 from mgjax.core.kinematics import forward, global_positions
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 from mgjax.graph.types import NO_CLIP, MotionGraph
 
 
-@lru_cache(maxsize=8)
+def inherited_frames(
+    leave: Int[Array, "*m"], arrive: Int[Array, "*m"], step: Int[Array, "*s"], window: int
+) -> Int[Array, "*ms"]:
+    """The captured frames whose plants a blend has: the first clip's in its first half.
+
+    Args:
+        leave, arrive: frames at which the windows of the two clips begin.
+        step: frames of the blend, 0 … ``window``.
+        window: frames of the blend.
+    """
+    return namespace(leave, arrive, step).where(step < window // 2, leave + step, arrive + step)
+
+
 def planted_frames(graph: MotionGraph) -> Bool[np.ndarray, "F 2"]:
     """In which frames of a graph the left and the right foot should stand still.
 
@@ -29,18 +40,25 @@ def planted_frames(graph: MotionGraph) -> Bool[np.ndarray, "F 2"]:
     for a, b in zip(graph.clip_starts, graph.clip_stops, strict=True):
         plants[a:b] = planted(positions[a:b], graph.frame_rate)
     edges = np.flatnonzero(graph.edge_clip == NO_CLIP)
-    window, half = graph.window, graph.window // 2
-    step = np.arange(window + 1)
-    leave = graph.node_frame[graph.edge_source[edges]][:, None] + step
-    arrive = graph.node_frame[graph.edge_target[edges]][:, None] - window + step
-    inherited = np.where(step < half, leave, arrive)
+    step = np.arange(graph.window + 1)[None]
+    leave = graph.node_frame[graph.edge_source[edges]][:, None]
+    arrive = graph.node_frame[graph.edge_target[edges]][:, None] - graph.window
+    inherited = inherited_frames(leave, arrive, step, graph.window)
     plants[graph.edge_starts[edges][:, None] + step] = plants[inherited]
     return plants
 
 
-def walk_plants(graph: MotionGraph, edges: list[int], frames: int) -> Bool[np.ndarray, "F 2"]:
-    """The planted feet of a walk's first frames."""
-    plants = planted_frames(graph)
+def walk_plants(
+    graph: MotionGraph, plants: Bool[np.ndarray, "G 2"], edges: list[int], frames: int
+) -> Bool[np.ndarray, "F 2"]:
+    """The planted feet of a walk's first frames.
+
+    Args:
+        graph: the graph.
+        plants: of its frames; see :func:`planted_frames`.
+        edges: of the walk.
+        frames: how many.
+    """
     spans = [np.arange(graph.edge_starts[e], graph.edge_stops[e]) for e in edges]
     return plants[np.concatenate([*spans, [graph.edge_stops[edges[-1]]]])[:frames]]
 
@@ -56,8 +74,7 @@ def foot_slide(
     """
     positions = np.asarray(global_positions(skeleton, motion), dtype=np.float64)
     feet = positions[:, list(foot_joints(skeleton))]
-    moved = np.linalg.norm(np.diff(feet[..., ::2], axis=0), axis=-1)
-    root = np.linalg.norm(np.diff(positions[:, 0, ::2], axis=0), axis=-1)
-    on = plants[1:] & plants[:-1]
-    slid, way = float(moved[on].sum()), float((root[:, None] * on).sum())
-    return slid / max(len(moved), 1), slid / way if way > 0 else 0.0
+    moved, root = np.asarray(floor_steps(feet)), np.asarray(floor_steps(positions[:, 0]))
+    on = np.asarray(stays_planted(plants))
+    slid, travelled = float(moved[on].sum()), float((root[:, None] * on).sum())
+    return slid / max(len(moved), 1), slid / travelled if travelled > 0 else 0.0

@@ -11,10 +11,12 @@ from jaxtyping import Bool, Float, Int
 
 from mgjax.core import planar, quaternion
 from mgjax.core.arrays import Array
+from mgjax.core.easing import smoothstep
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.graph.feet import FootChains, keep_plants
+from mgjax.graph.plants import inherited_frames
 
 CHUNK = 256
 """Transitions blended in one call; the last call is padded."""
@@ -25,8 +27,7 @@ FRAMES = 1024
 
 def blend_weights(window: int) -> Float[np.ndarray, " W"]:
     """α(p) = 2((p+1)/L)³ − 3((p+1)/L)² + 1 for p = 0 … L−1 (eq. 5): the share of the first clip."""
-    u = (np.arange(window) + 1) / window
-    return (2 * u**3 - 3 * u**2 + 1).astype(np.float32)
+    return (1 - np.asarray(smoothstep((np.arange(window) + 1) / window))).astype(np.float32)
 
 
 def align(
@@ -155,11 +156,9 @@ def _build_chunk(
         mixed = jnp.concatenate([mixed, last[None]])
         if chains is None:
             return mixed_root, mixed, transform, jnp.zeros(2)
-        # Inherited plants: A's in the first half, B's in the second; one frame before and after.
-        half = window // 2
-        planted = jnp.concatenate(
-            [take(plants, row - 1, half + 1), take(plants, column + half, window - half + 1)]
-        )
+        # One frame before and after.
+        inherited = inherited_frames(row, column, jnp.arange(-1, window + 1), window)
+        planted = plants[inherited]
         before = positions[row - 1]
         mixed, slide = keep_plants(skeleton, chains, mixed_root, mixed, planted, before)
         return mixed_root, mixed, transform, slide

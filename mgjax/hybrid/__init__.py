@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from mgjax.hybrid.ik.chain import fabrik as fabrik
     from mgjax.hybrid.ik.joint_limits import JointLimits as JointLimits
     from mgjax.hybrid.ik.joint_limits import joint_limits as joint_limits
-    from mgjax.hybrid.ik.joint_limits import limits_of_motion as limits_of_motion
     from mgjax.hybrid.ik.limbs import LIMBS as LIMBS
     from mgjax.hybrid.ik.limbs import Limb as Limb
     from mgjax.hybrid.ik.limbs import find_limb as find_limb
@@ -36,6 +35,8 @@ if TYPE_CHECKING:
     from mgjax.hybrid.paths.sketch import Sketch as Sketch
     from mgjax.hybrid.paths.sketch import load_sketch as load_sketch
     from mgjax.hybrid.paths.sketch import make_sketch as make_sketch
+    from mgjax.hybrid.prepared import Prepared as Prepared
+    from mgjax.hybrid.prepared import prepare as prepare
     from mgjax.hybrid.reaching.result import Reached as Reached
     from mgjax.hybrid.reaching.result import ReachResult as ReachResult
     from mgjax.hybrid.reaching.targets import Bar as Bar
@@ -58,7 +59,6 @@ else:
             "JointLimits": "mgjax.hybrid.ik.joint_limits",
             "Limb": "mgjax.hybrid.ik.limbs",
             "LIMBS": "mgjax.hybrid.ik.limbs",
-            "limits_of_motion": "mgjax.hybrid.ik.joint_limits",
             "load_sketch": "mgjax.hybrid.paths.sketch",
             "load_targets": "mgjax.hybrid.reaching.targets",
             "make_sketch": "mgjax.hybrid.paths.sketch",
@@ -67,6 +67,8 @@ else:
             "NOT_CONVERGED": "mgjax.hybrid.ik.chain",
             "PathConfig": "mgjax.hybrid.config",
             "PathResult": "mgjax.hybrid.paths.result",
+            "prepare": "mgjax.hybrid.prepared",
+            "Prepared": "mgjax.hybrid.prepared",
             "reach": "mgjax.hybrid.reaching.walk",
             "reach_pose": "mgjax.hybrid.ik.pose",
             "ReachConfig": "mgjax.hybrid.config",

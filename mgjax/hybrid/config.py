@@ -5,8 +5,15 @@ Neither jax nor numpy is imported here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+import numbers
+from dataclasses import dataclass, field
 from typing import Literal
+
+from mgjax.core.errors import ConfigError
+
+WIDEST = 4096
+"""Partial walks of the widest beam."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,12 +66,11 @@ class ReachConfig:
         limits: keep the joint limits of :mod:`mgjax.hybrid.body.limb_limits`.
         extend: walk towards a target that is out of reach.
         stop: stand still for a target that the walk passes too quickly to hold it.
-        blend_s: over this time the walk's pose gives way to the reaching one, and returns, s. It
-            is lengthened where a joint would turn too fast.
+        blend_s: over this time the walk's pose gives way to the reaching one, and returns, s; 0
+            for at once. It is lengthened where a joint would turn too fast.
         turn_deg_s: joints turn at most so fast, or as fast as in the walk itself, degrees/s.
         drop_m: the pelvis goes down by at most so much, m.
-        arrive_m: the end of a limb counts as having arrived within this distance, m.
-        hold_m: and as staying within this, m.
+        hold_m: the end of a limb counts as staying on its target within this distance, m.
         radius_m: radius of the turns on the way to a target, m.
     """
 
@@ -74,6 +80,77 @@ class ReachConfig:
     blend_s: float = 0.6
     turn_deg_s: float = 720.0
     drop_m: float = 0.5
-    arrive_m: float = 0.01
     hold_m: float = 0.005
     radius_m: float = 0.7
+
+
+@dataclass(frozen=True, kw_only=True)
+class WalkConfig:
+    """All settings of ``mgjax walk``, as the sections of its configuration file.
+
+    Attributes:
+        path: of the search.
+        reach: of the reaches on the way.
+    """
+
+    path: PathConfig = field(default_factory=PathConfig)
+    reach: ReachConfig = field(default_factory=ReachConfig)
+
+
+_PATH_RANGES: dict[str, tuple[float, float]] = {
+    "horizon_s": (1, 60),
+    "keep_s": (0.1, 60),
+    "near_m": (0.05, 100),
+    "beam_width": (1, WIDEST),
+    "expansions": (1, 10**8),
+    "time_limit_s": (0, math.inf),
+    "blend_weight": (0, math.inf),
+    "speed_weight": (0, math.inf),
+    "end_weight": (0, math.inf),
+    "end_radius_m": (0, math.inf),
+    "margin_m": (0, 10),
+}
+"""Least and largest value of each number; infinity itself is none of them."""
+
+_REACH_RANGES: dict[str, tuple[float, float]] = {
+    "blend_s": (0, 10),
+    "turn_deg_s": (1, math.inf),
+    "drop_m": (0, 1),
+    "hold_m": (1e-4, 1),
+    "radius_m": (0.05, 100),
+}
+
+
+def validate_path_config(config: PathConfig) -> None:
+    """Raises :class:`ConfigError` naming the first setting of a path search out of range."""
+    if config.method not in ("exact", "beam"):
+        raise ConfigError(got=f"method = {config.method!r}", expected="exact or beam")
+    _check_ranges(config, _PATH_RANGES, whole=("beam_width", "expansions"))
+    if config.keep_s > config.horizon_s:
+        got, expected = f"keep_s = {config.keep_s!r}", f"at most horizon_s = {config.horizon_s:g}"
+        raise ConfigError(got=got, expected=expected)
+
+
+def validate_reach_config(config: ReachConfig) -> None:
+    """Raises :class:`ConfigError` naming the first setting of the reaches out of range."""
+    for name in ("limits", "extend", "stop"):
+        value = getattr(config, name)
+        if not isinstance(value, bool):
+            raise ConfigError(got=f"{name} = {value!r}", expected="true or false")
+    _check_ranges(config, _REACH_RANGES)
+
+
+def _check_ranges(
+    config: PathConfig | ReachConfig,
+    ranges: dict[str, tuple[float, float]],
+    *,
+    whole: tuple[str, ...] = (),
+) -> None:
+    for name, (low, high) in ranges.items():
+        value = getattr(config, name)
+        kind = numbers.Integral if name in whole else numbers.Real
+        ok = isinstance(value, kind) and not isinstance(value, bool)
+        if not (ok and low <= float(value) <= high and value != math.inf):
+            what = "a whole number " if name in whole else ""
+            top = f" … {high:g}" if high < math.inf else " or more"
+            raise ConfigError(got=f"{name} = {value!r}", expected=f"{what}{low:g}{top}")

@@ -14,17 +14,15 @@ from matplotlib.patches import Circle
 from mgjax.core.contacts import foot_joints
 from mgjax.core.kinematics import global_positions, planar_frames
 from mgjax.core.motion import Motion
-from mgjax.graph.plants import walk_plants
 from mgjax.graph.types import NO_CLIP, MotionGraph
-from mgjax.hybrid.ik.limbs import find_limb
+from mgjax.hybrid.body.capsules import make_capsules, to_bar
+from mgjax.hybrid.ik.limbs import LIMB_TYPES, find_limb
 from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.result import PathResult
 from mgjax.hybrid.paths.sketch import Sketch
-from mgjax.hybrid.reaching.duck import clearance
 from mgjax.hybrid.reaching.result import ReachResult
 
 SKETCH, CLIP, BLEND, LEFT, RIGHT = "#f1c40f", "#c0392b", "#1f6fb4", "#2e86c1", "#27ae60"
-LIMB_COLOURS = {"right_hand": "#e67e22", "left_hand": "#8e44ad", "head": "#16a085"}
 POSES = 24
 """Most poses in the strip."""
 
@@ -65,20 +63,20 @@ def top_view(axes: Axes, graph: MotionGraph, sketch: Sketch, walked: PathResult)
     axes.plot(*curve.points.T, color=SKETCH, linewidth=6, alpha=0.6, label="sketch")
     for x, z, radius in sketch.obstacles:
         axes.add_patch(Circle((x, z), radius, facecolor="#bbb", edgecolor="#555"))
-    way = np.concatenate([walked.start[None, 1:], walked.track.places])
+    root = np.concatenate([walked.start[None, 1:], walked.track.places])
     blended = played_edges(graph, walked) == NO_CLIP
-    lines = np.stack([way[:-1], way[1:]], axis=1)
+    lines = np.stack([root[:-1], root[1:]], axis=1)
     colours = [BLEND if b else CLIP for b in blended]
     axes.add_collection(LineCollection(lines.tolist(), colors=colours, linewidths=1.6))
     axes.plot([], [], color=CLIP, label="root, captured")
     axes.plot([], [], color=BLEND, label="root, transitions")
     seams = np.flatnonzero(np.diff(_edge_numbers(graph, walked))) + 1
-    axes.plot(*way[seams].T, ".", color="k", markersize=2, label="edges")
+    axes.plot(*root[seams].T, ".", color="k", markersize=2, label="edges")
     each = np.arange(0, walked.frames, round(graph.frame_rate))
     angle = walked.track.heading[each]
     axes.quiver(*walked.track.places[each].T, np.sin(angle), np.cos(angle), angles="xy",
                 scale=28, width=0.004, color="#444")  # fmt: skip
-    axes.plot(*way[0], "o", color="k", markersize=6, label="start")
+    axes.plot(*root[0], "o", color="k", markersize=6, label="start")
     if sketch.end is not None:
         axes.plot(*sketch.end[:2], "x", color="k", markersize=10, label="wanted end")
     if walked.failed_at is not None:
@@ -102,14 +100,13 @@ def played_edges(graph: MotionGraph, walked: PathResult) -> np.ndarray:
 
 
 def _feet(axes: Axes, graph: MotionGraph, walked: PathResult, positions: np.ndarray) -> None:
-
-    plants = walk_plants(graph, walked.walk.edges.tolist(), len(positions))
     feet = foot_joints(graph.skeleton)
     for side, colour in enumerate((LEFT, RIGHT)):
         place = positions[:, feet[side]][:, ::2]
         name = ("left", "right")[side]
         axes.plot(*place.T, color=colour, linewidth=0.5, alpha=0.6)
-        axes.plot(*place[plants[:, side]].T, ".", color=colour, markersize=3, label=f"{name} foot")
+        stands = place[walked.plants[:, side]]
+        axes.plot(*stands.T, ".", color=colour, markersize=3, label=f"{name} foot")
     axes.set_aspect("equal", adjustable="datalim")
     axes.invert_xaxis()
     axes.set_title(
@@ -147,7 +144,7 @@ def hands_above(axes: Axes, graph: MotionGraph, reached: ReachResult) -> None:
     positions = np.asarray(global_positions(graph.skeleton, reached.motion))
     around = round(graph.frame_rate)
     for number, row in enumerate(reached.targets, 1):
-        colour = LIMB_COLOURS[row.target.limb]
+        colour = LIMB_TYPES[row.target.limb].colour
         if row.target.bar is not None:
             axes.plot(*row.target.bar.ends[:, ::2].T, color=colour, linewidth=3, alpha=0.7)
             place = row.target.bar.ends.mean(axis=0)
@@ -168,20 +165,21 @@ def distances(axes: Axes, graph: MotionGraph, reached: ReachResult) -> None:
     positions = np.asarray(global_positions(graph.skeleton, reached.motion))
     seconds = np.arange(len(positions)) / graph.frame_rate
     for number, row in enumerate(reached.targets, 1):
-        target = row.target
+        target, colour = row.target, LIMB_TYPES[row.target.limb].colour
         if target.bar is not None:
-            away = clearance(graph, reached.motion, target.bar)
+            body = make_capsules(graph.skeleton)
+            away = to_bar(body, positions.astype(float), target.bar.ends, target.bar.radius)
             name = "body to bar"
         else:
             end = find_limb(graph.skeleton, target.limb).joints[-1]
             place = target.at(seconds - (row.first or 0) / graph.frame_rate)
             away = np.linalg.norm(positions[:, end] - place, axis=-1)
             name = target.limb.replace("_", " ")
-        axes.plot(seconds, away, color=LIMB_COLOURS[target.limb], label=f"{number} {name}",
+        axes.plot(seconds, away, color=colour, label=f"{number} {name}",
                   linestyle="-" if number % 2 else "--")  # fmt: skip
         if row.first is not None and row.last is not None:
             axes.axvspan(row.first / graph.frame_rate, row.last / graph.frame_rate, alpha=0.15,
-                         color=LIMB_COLOURS[target.limb])  # fmt: skip
+                         color=colour)  # fmt: skip
     axes.set_ylim(0, 2)
     axes.set_xlabel("s")
     axes.set_ylabel("m")

@@ -82,3 +82,34 @@ def test_bad_arguments(folder: Path, tmp_path: Path) -> None:
     path.write_text("0,0\n0,2\n")
     words = ("walk", "--graph", folder, "--path", path, "--out", out)
     refused(run(*words, "--seconds", 0), "--seconds", out=out)
+
+
+def test_config_files(folder: Path, tmp_path: Path) -> None:
+    path, file, out = tmp_path / "path.csv", tmp_path / "walk.toml", tmp_path / "out"
+    path.write_text("0,0\n0,2\n")
+    words = ("walk", "--graph", folder, "--path", path, "--config", file, "--out", out, "--json")
+    results = []
+    for text in ('method = "beam"\n', '[path]\nmethod = "beam"\n\n[reach]\nblend_s = 0.4\n'):
+        file.write_text(text)
+        ran = run(*words)
+        assert (ran.status, ran.json["horizons"]) == (0, 0)
+        results.append(ran.json["walk"])
+    assert results[0] == results[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("horizon_s = 0.1\n", "horizon_s"),
+        ("[path]\nkeep_s = 9.0\n", "keep_s"),
+        ("[path]\nfaster = 1\n", "faster"),
+        ("[reach]\nblend = 1\n", "blend_s"),
+        ("near_m = 1.0\n[reach]\nblend_s = 1.0\n", "near_m"),
+    ],
+)
+def test_bad_config_files(folder: Path, tmp_path: Path, text: str, word: str) -> None:
+    path, file, out = tmp_path / "path.csv", tmp_path / "walk.toml", tmp_path / "out"
+    path.write_text("0,0\n0,2\n")
+    file.write_text(text)
+    words = ("walk", "--graph", folder, "--path", path, "--config", file, "--out", out)
+    refused(run(*words), word, out=out)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.core.skeleton import Skeleton, find_role
-from mgjax.hybrid.ik.limbs import LIMBS, find_limb
+from mgjax.hybrid.ik.limbs import ARMS, HEAD, LimbType, find_limb
 
 _RADII_M = {
     "torso": 0.11,
@@ -23,40 +24,48 @@ _RADII_M = {
     "shin": 0.055,
     "foot": 0.04,
 }
-"""Of an adult of 1.75 m."""
+"""Radii of the parts of an adult of 1.75 m."""
+_FORE = ("forearm", "hand")
+"""Parts of an arm that may come near the rest of the body."""
+_REST = ("torso", "pelvis", "head", "neck")
+"""Parts that they are kept away from."""
+
+_Part: TypeAlias = tuple[str, LimbType | None]
+"""Name of a part, and the limb that it belongs to."""
+_PELVIS: _Part = ("pelvis", None)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Body:
-    """Capsules.
+class Capsules:
+    """The surface of a body, as capsules along its bones.
 
     Attributes:
         joints: the two joints at the ends of each. [B, 2]
         radii: m. [B]
         parts: a name of each, such as ``"torso"``.
-        limbs: the limb that each belongs to from its shoulder on, or "". The head has none.
+        limbs: the arm that each belongs to from its shoulder on, or None. The head has none.
     """
 
     joints: Int[np.ndarray, "B 2"]
     radii: Float[np.ndarray, " B"]
     parts: tuple[str, ...]
-    limbs: tuple[str, ...]
+    limbs: tuple[LimbType | None, ...]
 
     def ends(self, positions: Float[np.ndarray, "F J 3"]) -> tuple[np.ndarray, np.ndarray]:
         """[F, B, 3] both ends of each capsule."""
         return positions[:, self.joints[:, 0]], positions[:, self.joints[:, 1]]
 
 
-def body_of(skeleton: Skeleton) -> Body:
+def make_capsules(skeleton: Skeleton) -> Capsules:
     """The capsules of a skeleton: one for each bone longer than 1 cm, by what its joints are."""
     lengths = np.linalg.norm(np.asarray(skeleton.offsets, np.float64), axis=-1)
-    kinds = _kinds(skeleton)
+    parts = _bone_parts(skeleton)
     rows = [
-        (parent, joint, *kinds[joint])
+        (parent, joint, *parts[joint])
         for joint, parent in enumerate(skeleton.parents)
         if parent >= 0 and lengths[joint] > 0.01
     ]
-    return Body(
+    return Capsules(
         joints=np.array([row[:2] for row in rows]),
         radii=np.array([_RADII_M[row[2]] for row in rows]),
         parts=tuple(row[2] for row in rows),
@@ -64,92 +73,100 @@ def body_of(skeleton: Skeleton) -> Body:
     )
 
 
-def _kinds(skeleton: Skeleton) -> list[tuple[str, str]]:
+def _bone_parts(skeleton: Skeleton) -> list[_Part]:
     """Part and limb of the bone that ends in each joint."""
-    marks: dict[int, tuple[str, str]] = {}  # what hangs on these joints
-    arms = [find_limb(skeleton, name) for name in LIMBS if name != "head"]
-    for limb in arms:
-        side = limb.name.split("_")[0]
-        shared = [j for j in limb.joints if j in arms[0].joints and j in arms[1].joints]
-        marks |= dict.fromkeys(shared, ("torso", ""))
-        shoulder = find_role(skeleton, f"{side}_shoulder") or limb.joints[-1]
-        before = [j for j in limb.joints if j < shoulder and j not in marks]
-        marks |= dict.fromkeys(before, ("shoulder", ""))
-        names = (("shoulder", "upper arm"), ("elbow", "forearm"), ("wrist", "hand"))
-        marks |= {
-            j: (part, limb.name)
-            for role, part in names
-            if (j := find_role(skeleton, f"{side}_{role}")) is not None
-        }
-        legs = (("hip", "thigh"), ("knee", "shin"), ("ankle", "foot"))
-        marks |= {
-            j: (part, "")
-            for role, part in legs
-            if (j := find_role(skeleton, f"{side}_{role}")) is not None
-        }
-    head = find_limb(skeleton, "head")
-    marks |= {j: ("neck", "") for j in head.joints if j not in marks}
-    marks[head.joints[-1]] = ("head", "")
-    marks[0] = ("pelvis", "")
-    kinds: list[tuple[str, str]] = [("pelvis", "")]
-    hanging = [("pelvis", "")] * skeleton.num_joints
+    marks = _marked_joints(skeleton)
+    head = find_limb(skeleton, HEAD.name)
+    parts: list[_Part] = [_PELVIS]
+    hanging = [_PELVIS] * skeleton.num_joints
     for joint, parent in enumerate(skeleton.parents):
         if parent >= 0:
-            kinds.append(hanging[parent])
+            parts.append(hanging[parent])
             hanging[joint] = hanging[parent]
-            if joint in head.joints and hanging[parent][0] == "pelvis":
-                kinds[joint] = ("torso", "")
+            if joint in head.joints and hanging[parent] == _PELVIS:
+                parts[joint] = ("torso", None)
         hanging[joint] = marks.get(joint, hanging[joint])
-    return kinds
+    return parts
+
+
+def _marked_joints(skeleton: Skeleton) -> dict[int, _Part]:
+    """Part and limb of what hangs on these joints."""
+    marks: dict[int, _Part] = {}
+    arms = [(arm, find_limb(skeleton, arm.name).joints) for arm in ARMS]
+    shared = set(arms[0][1]) & set(arms[1][1])
+    for arm, joints in arms:
+        marks |= dict.fromkeys((j for j in joints if j in shared), ("torso", None))
+        shoulder = find_role(skeleton, arm.role("shoulder")) or joints[-1]
+        before = [j for j in joints if j < shoulder and j not in marks]
+        marks |= dict.fromkeys(before, ("shoulder", None))
+        for role, part, limb in (
+            ("shoulder", "upper arm", arm),
+            ("elbow", "forearm", arm),
+            ("wrist", "hand", arm),
+            ("hip", "thigh", None),
+            ("knee", "shin", None),
+            ("ankle", "foot", None),
+        ):
+            joint = find_role(skeleton, arm.role(role))
+            if joint is not None:
+                marks[joint] = (part, limb)
+    head = find_limb(skeleton, HEAD.name)
+    marks |= {j: ("neck", None) for j in head.joints if j not in marks}
+    marks[head.joints[-1]] = ("head", None)
+    marks[0] = _PELVIS
+    return marks
 
 
 def to_points(
-    body: Body, positions: Float[np.ndarray, "F J 3"], points: Float[np.ndarray, "F 3"]
+    capsules: Capsules, positions: Float[np.ndarray, "F J 3"], points: Float[np.ndarray, "F 3"]
 ) -> Float[np.ndarray, "F B"]:
     """Distance of a point in each frame to the surface of each capsule, m; negative inside."""
-    a, b = body.ends(positions)
-    way = b - a
-    share = np.einsum("fbi,fbi->fb", points[:, None] - a, way) / (way * way).sum(axis=-1)
-    near = a + np.clip(share, 0, 1)[..., None] * way
-    return np.linalg.norm(points[:, None] - near, axis=-1) - body.radii
+    a, b = capsules.ends(positions)
+    axis = b - a
+    share = np.einsum("fbi,fbi->fb", points[:, None] - a, axis) / (axis * axis).sum(axis=-1)
+    near = a + np.clip(share, 0, 1)[..., None] * axis
+    return np.linalg.norm(points[:, None] - near, axis=-1) - capsules.radii
 
 
 def to_bar(
-    body: Body, positions: Float[np.ndarray, "F J 3"], ends: Float[np.ndarray, "2 3"], radius: float
+    capsules: Capsules,
+    positions: Float[np.ndarray, "F J 3"],
+    ends: Float[np.ndarray, "2 3"],
+    radius: float,
 ) -> Float[np.ndarray, " F"]:
     """Distance of the whole body's surface to that of a bar in each frame, m; negative inside."""
-    a, b = body.ends(positions)
+    a, b = capsules.ends(positions)
     from_to = segment_distance(a, b, np.broadcast_to(ends[0], a.shape), ends[1] - ends[0] + 0 * a)
-    return (from_to - body.radii).min(axis=1) - radius
+    return (from_to - capsules.radii).min(axis=1) - radius
 
 
 def arm_clearance(
-    body: Body, positions: Float[np.ndarray, "F J 3"], limb: str
+    capsules: Capsules, positions: Float[np.ndarray, "F J 3"], limb: LimbType
 ) -> Float[np.ndarray, " F"]:
-    """Distance of a limb's forearm and hand to torso, pelvis and head, m; negative inside."""
-    pairs = zip(body.parts, body.limbs, strict=True)
-    arm = [i for i, (part, x) in enumerate(pairs) if x == limb and part in ("forearm", "hand")]
-    rest = [i for i, part in enumerate(body.parts) if part in ("torso", "pelvis", "head", "neck")]
-    a, b = body.ends(positions)
+    """Distance of an arm's forearm and hand to torso, pelvis and head, m; negative inside."""
+    pairs = zip(capsules.parts, capsules.limbs, strict=True)
+    arm = [i for i, (part, x) in enumerate(pairs) if x == limb and part in _FORE]
+    rest = [i for i, part in enumerate(capsules.parts) if part in _REST]
+    a, b = capsules.ends(positions)
     frames, shape = len(positions), (len(positions), len(arm), len(rest), 3)
     p, q = (np.broadcast_to(x[:, arm, None], shape) for x in (a, b))
     r, s = (np.broadcast_to(x[:, None, rest], shape) for x in (a, b))
-    apart = segment_distance(p, q, r, s - r)
-    apart = apart - body.radii[arm][:, None] - body.radii[rest]
-    return apart.reshape(frames, -1).min(axis=1)
+    distance = segment_distance(p, q, r, s - r)
+    distance = distance - capsules.radii[arm][:, None] - capsules.radii[rest]
+    return distance.reshape(frames, -1).min(axis=1)
 
 
 def segment_distance(
     a: Float[np.ndarray, "*b 3"],
     b: Float[np.ndarray, "*b 3"],
     c: Float[np.ndarray, "*b 3"],
-    way: Float[np.ndarray, "*b 3"],
+    axis: Float[np.ndarray, "*b 3"],
 ) -> Float[np.ndarray, "*b"]:
-    """Distance of the segments a … b and c … c + way, of lengths above 0.
+    """Distance of the segments a … b and c … c + axis, of lengths above 0.
 
     The nearest points lie inside both, or one of them is an end.
     """
-    u, v, w = b - a, way, a - c
+    u, v, w = b - a, axis, a - c
     uu, uv, vv = ((x * y).sum(axis=-1) for x, y in ((u, u), (u, v), (v, v)))
     uw, vw = ((x * w).sum(axis=-1) for x in (u, v))
     free = np.maximum(uu * vv - uv * uv, 1e-12)

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from mgjax.core import quaternion
-from mgjax.core.skeleton import Skeleton, find_role, rest_positions
+from mgjax.core.skeleton import Skeleton, find_role, require_roles, rest_positions
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.ik.joint_limits import JointLimits, joint_limits, swing_twist
-from mgjax.hybrid.ik.limbs import LIMBS, Limb, find_limb
+from mgjax.hybrid.ik.limbs import ARMS, LIMBS, Limb, find_limb
 from mgjax.hybrid.ik.pose import moved_joints
 
 _SPINE_DEG = (-12.0, 32.0, -16.0, 16.0, -18.0, 18.0)
-"""Of each joint of the spine: back, forward, to both sides, turned to both sides."""
+"""A joint of the spine: back, forward, to both sides, turned to both sides."""
 _NECK_DEG = (-15.0, 30.0, -15.0, 15.0, -25.0, 25.0)
 _CLAVICLE_DEG = (-12.0, 25.0, -18.0, 18.0, -8.0, 8.0)
 """Down, up, and to front and back."""
@@ -24,13 +25,50 @@ _SHOULDER_DEG = (-55.0, 172.0, -95.0, 155.0, -75.0, 75.0)
 _ELBOW_DEG = (2.0, 148.0)
 _ELBOW_PLAY_DEG = 6.0
 _WRIST_DEG = (-35.0, 35.0, -35.0, 35.0, -50.0, 50.0)
+_RANGES_DEG = {
+    "spine": _SPINE_DEG,
+    "neck": _NECK_DEG,
+    "clavicle": _CLAVICLE_DEG,
+    "shoulder": _SHOULDER_DEG,
+    "wrist": _WRIST_DEG,
+}
 _PLAY = math.radians(3.0)
 """Every captured pose is inside, by so much."""
 
 
-@lru_cache(maxsize=32)
-def reach_limits(graph: MotionGraph, limbs: tuple[Limb, ...]) -> JointLimits:
-    """Limits for the joints of limbs, in the order of :func:`moved_joints`.
+_END = -1
+"""In place of a child: the joint is the end of a limb."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LimbLimits:
+    """Limits of all limbs of a body, one row for each bone that a joint turns.
+
+    Attributes:
+        joints: that turn. [B]
+        children: the next joint on the way to a limb's end; −1 for the end itself. [B]
+        limits: of these joints for these bones. [B]
+    """
+
+    joints: Int[np.ndarray, " B"]
+    children: Int[np.ndarray, " B"]
+    limits: JointLimits
+
+    def of(self, limbs: tuple[Limb, ...]) -> JointLimits:
+        """The limits of some limbs' joints, in the order of :func:`moved_joints`."""
+        bones = list(zip(self.joints.tolist(), self.children.tolist(), strict=True))
+        rows = [bones.index((joint, _child(limbs, joint))) for joint in moved_joints(limbs)]
+        return JointLimits(
+            centre=self.limits.centre[rows],
+            bone=self.limits.bone[rows],
+            across=self.limits.across[rows],
+            swing=self.limits.swing[rows],
+            twist=self.limits.twist[rows],
+        )
+
+
+def make_limb_limits(graph: MotionGraph) -> LimbLimits:
+    """Limits for the joints of the arms and the head.
 
     A joint turns about its mean rotation in the graph's clips, which also say about which axis an
     elbow bends and to which side: from nearly straight to 148°, never the other way. How far
@@ -41,33 +79,41 @@ def reach_limits(graph: MotionGraph, limbs: tuple[Limb, ...]) -> JointLimits:
         would not let a hand rise above the shoulder.
     """
     skeleton = graph.skeleton
-    joints = moved_joints(limbs)
+    limbs = tuple(find_limb(skeleton, name) for name in LIMBS)
+    bones = sorted(
+        {bone for limb in limbs for bone in zip(limb.joints, (*limb.joints[1:], _END), strict=True)}
+    )
     stop = int(graph.clip_stops[-1])
     rotations = graph.local_rotations[:stop].astype(np.float64)
     offsets = np.asarray(skeleton.offsets, np.float64)
     rest = rest_positions(skeleton)
     rows = []
-    for joint in joints:
-        child = _child(limbs, joint)
-        bone = offsets[child] if child is not None else np.array([0.0, 1.0, 0.0])
+    for joint, child in bones:
+        bone = np.array([0.0, 1.0, 0.0]) if child == _END else offsets[child]
         rows.append(_limits_of(skeleton, rest, rotations[:, joint], joint, bone))
-    centre, bones, across, swing, twist = (np.stack(column) for column in zip(*rows, strict=True))
+    centre, along, across, swing, twist = (np.stack(column) for column in zip(*rows, strict=True))
     built = joint_limits(
-        bones, swing=swing.tolist(), twist=twist.tolist(), across=across.tolist(), centre=centre
+        along, swing=swing.tolist(), twist=twist.tolist(), across=across.tolist(), centre=centre
     )
-    return _with_captured(built, rotations[:, list(joints)])
+    joints, children = np.array(bones).T
+    limits = _with_captured(built, rotations[:, joints])
+    return LimbLimits(joints=joints, children=children, limits=limits)
 
 
-def _child(limbs: tuple[Limb, ...], joint: int) -> int | None:
+def _child(limbs: tuple[Limb, ...], joint: int) -> int:
     """The next joint on the way to an end; of the spine, on the way to the first limb's."""
     for limb in limbs:
         if joint in limb.joints[:-1]:
             return limb.joints[limb.joints.index(joint) + 1]
-    return None
+    return _END
 
 
 def _limits_of(
-    skeleton: Skeleton, rest: np.ndarray, rotations: np.ndarray, joint: int, bone: np.ndarray
+    skeleton: Skeleton,
+    rest: Float[np.ndarray, "J 3"],
+    rotations: Float[np.ndarray, "F 4"],
+    joint: int,
+    bone: Float[np.ndarray, "3"],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Centre, bone, first axis, swing and twist of one joint."""
     centre = np.linalg.eigh(np.einsum("fi,fj->ij", rotations, rotations))[1][:, -1]
@@ -75,9 +121,7 @@ def _limits_of(
     if part == "elbow":
         return _hinge(skeleton, rotations, joint, bone)
     # Axes in the parent's frame, which has the world's directions in the rest pose.
-    left_hip, right_hip = (find_role(skeleton, f"{s}_hip") for s in ("left", "right"))
-    assert left_hip is not None
-    assert right_hip is not None
+    left_hip, right_hip = require_roles(skeleton, ("left_hip", "right_hip"))
     left = rest[left_hip] - rest[right_hip]
     left[1] = 0.0
     left /= np.linalg.norm(left)
@@ -89,14 +133,7 @@ def _limits_of(
     if part == "wrist":  # of an arm that points to the side
         first = np.array([0.0, 1.0, 0.0])
     across = quaternion.rotate(quaternion.conjugate(centre), first)
-    table = {
-        "spine": _SPINE_DEG,
-        "neck": _NECK_DEG,
-        "clavicle": _CLAVICLE_DEG,
-        "shoulder": _SHOULDER_DEG,
-        "wrist": _WRIST_DEG,
-    }[part]
-    angles = np.radians(np.array(table))
+    angles = np.radians(np.array(_RANGES_DEG[part]))
     swing = angles[:4].copy()
     # The second axis, bone × first: a hanging arm turns about it towards the right.
     if side == "left":
@@ -105,24 +142,22 @@ def _limits_of(
 
 
 def _part(skeleton: Skeleton, joint: int) -> tuple[str, str]:
-    """What a joint is, and on which side."""
-    for side in ("left", "right"):
-        shoulder, elbow = (find_role(skeleton, f"{side}_{part}") for part in ("shoulder", "elbow"))
-        limb = find_limb(skeleton, f"{side}_hand").joints
-        if joint in limb:
-            if joint == elbow:
-                return "elbow", side
-            if joint == shoulder:
-                return "shoulder", side
-            if elbow is not None and joint > elbow:
-                return "wrist", side
-            others = [
-                x for n in LIMBS if n != f"{side}_hand" for x in find_limb(skeleton, n).joints
-            ]
-            if joint not in others:
-                return "clavicle", side
-    arms = [x for s in ("left", "right") for x in find_limb(skeleton, f"{s}_hand").joints]
-    return ("spine" if joint in arms else "neck"), ""
+    """What a joint of a limb is, and on which side."""
+    chains = {name: find_limb(skeleton, name).joints for name in LIMBS}
+    for arm in ARMS:
+        if joint not in chains[arm.name]:
+            continue
+        shoulder, elbow = (find_role(skeleton, arm.role(part)) for part in ("shoulder", "elbow"))
+        if joint == elbow:
+            return "elbow", arm.side
+        if joint == shoulder:
+            return "shoulder", arm.side
+        if elbow is not None and joint > elbow:
+            return "wrist", arm.side
+        if not any(joint in chain for name, chain in chains.items() if name != arm.name):
+            return "clavicle", arm.side
+    in_an_arm = any(joint in chains[arm.name] for arm in ARMS)
+    return ("spine" if in_an_arm else "neck"), ""
 
 
 def _hinge(

@@ -37,12 +37,10 @@ def lower_pelvis(skeleton: Skeleton, motion: Motion, drop: Float[np.ndarray, " F
         places = (old[:, hip] + down, old[:, knee] + down, old[:, ankle] + down)
         ahead = quaternion.rotate(turns[:, 0], np.broadcast_to([0.0, 0.0, 1.0], places[0].shape))
         hip_turn, knee_turn = two_bone.solve(*places, old[:, ankle], ahead)
-        thigh = quaternion.multiply(hip_turn, turns[:, hip])
-        shin = quaternion.multiply(quaternion.multiply(hip_turn, knee_turn), turns[:, knee])
         above = turns[:, skeleton.parents[hip]]
-        local[rows, hip] = quaternion.multiply(quaternion.conjugate(above), thigh)
-        local[rows, knee] = quaternion.multiply(quaternion.conjugate(thigh), shin)
-        local[rows, ankle] = quaternion.multiply(quaternion.conjugate(shin), turns[:, ankle])
+        leg = (turns[:, hip], turns[:, knee], turns[:, ankle])
+        new = two_bone.local_rotations(hip_turn, knee_turn, above, *leg)
+        local[rows, hip], local[rows, knee], local[rows, ankle] = (np.asarray(q) for q in new)
     return replace(
         motion,
         root_translation=root.astype(np.float32),

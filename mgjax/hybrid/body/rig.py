@@ -16,9 +16,9 @@ from mgjax.core import kinematics, quaternion
 from mgjax.core.arrays import Array
 from mgjax.core.skeleton import Skeleton, find_role
 from mgjax.core.xla.padding import pad_axis
-from mgjax.hybrid.ik import tree_steps as stages
+from mgjax.hybrid.ik import tree_steps as steps
 from mgjax.hybrid.ik.joint_limits import JointLimits, clamp, from_swing_twist
-from mgjax.hybrid.ik.limbs import Limb, steady_joints
+from mgjax.hybrid.ik.limbs import ARMS, Limb, orientation_locked
 from mgjax.hybrid.ik.pose import moved_joints
 from mgjax.hybrid.ik.rotations import with_local_rotations
 from mgjax.hybrid.ik.tree import fabrik_tree
@@ -28,7 +28,7 @@ TOLERANCE_M = 3e-4
 _STEPS = 24
 """Least-squares steps at most for a key pose, after FABRIK's stages."""
 _STEPS_ON = 6
-"""And for each pose that is found from the one before it."""
+"""Least-squares steps at most for each pose that is found from the one before it."""
 _BLOCK = 64
 """Frames that are solved by one compiled call."""
 _SHOULDERS_DEG = ((20, 10), (60, 20), (110, 20), (150, 30), (50, -45), (70, 80))
@@ -36,7 +36,7 @@ _SHOULDERS_DEG = ((20, 10), (60, 20), (110, 20), (150, 30), (50, -45), (70, 80))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Rig:
+class LimbRig:
     """What moves in a reach of some limbs.
 
     Attributes:
@@ -44,7 +44,7 @@ class Rig:
         limbs: those that reach.
         limits: of the joints, or None.
         joints: that move, parents first.
-        steady: joints that keep their orientation in the world.
+        locked: joints that keep their orientation in the world.
         parents, ends: the tree of the joints, as :func:`fabrik_tree` takes it.
     """
 
@@ -52,7 +52,7 @@ class Rig:
     limbs: tuple[Limb, ...]
     limits: JointLimits | None
     joints: tuple[int, ...]
-    steady: tuple[int, ...]
+    locked: tuple[int, ...]
     parents: tuple[int, ...]
     ends: tuple[int, ...]
 
@@ -61,36 +61,38 @@ class Rig:
         return np.asarray(self.skeleton.offsets, np.float32)[list(self.joints)]
 
 
-def make_rig(skeleton: Skeleton, limbs: tuple[Limb, ...], limits: JointLimits | None) -> Rig:
+def make_limb_rig(
+    skeleton: Skeleton, limbs: tuple[Limb, ...], limits: JointLimits | None
+) -> LimbRig:
     """The rig of limbs; limits are of :func:`moved_joints`."""
     joints = moved_joints(limbs)
     above = [skeleton.parents[joint] for joint in joints]
-    return Rig(
+    return LimbRig(
         skeleton=skeleton,
         limbs=limbs,
         limits=limits,
         joints=joints,
-        steady=steady_joints(skeleton, limbs),
+        locked=orientation_locked(skeleton, limbs),
         parents=tuple(joints.index(p) if p in joints else -1 for p in above),
         ends=tuple(joints.index(limb.joints[-1]) for limb in limbs),
     )
 
 
-def starts(rig: Rig, local: Float[np.ndarray, "J 4"]) -> Float[np.ndarray, "A n 4"]:
+def starting_poses(rig: LimbRig, local: Float[np.ndarray, "J 4"]) -> Float[np.ndarray, "A n 4"]:
     """Poses from which a key pose is looked for: the walk's, and some with arms raised."""
-    given = local[list(rig.joints)][None].astype(np.float32)
+    own = local[list(rig.joints)][None].astype(np.float32)
     if rig.limits is None:
-        return given
+        return own
     limits = rig.limits
     count = len(rig.joints)
     swing = np.zeros((len(_SHOULDERS_DEG), count, 2), np.float32)
-    for side, sign in (("left", -1.0), ("right", 1.0)):
-        shoulder = find_role(rig.skeleton, f"{side}_shoulder")
+    for arm in ARMS:
+        shoulder = find_role(rig.skeleton, arm.role("shoulder"))
         if shoulder in rig.joints:
-            forward_out = np.radians(np.array(_SHOULDERS_DEG)) * [1.0, sign]
+            forward_out = np.radians(np.array(_SHOULDERS_DEG)) * [1.0, -arm.sign]
             swing[:, rig.joints.index(shoulder)] = forward_out
     raised = from_swing_twist(swing, np.zeros(swing.shape[:2], np.float32), limits)
-    return np.concatenate([given, np.asarray(clamp(raised, limits), np.float32)])
+    return np.concatenate([own, np.asarray(clamp(raised, limits), np.float32)])
 
 
 @partial(jax.jit, static_argnames=("parents", "ends"))
@@ -118,7 +120,7 @@ def _keys(
 
 
 @partial(jax.jit, static_argnames=("parents", "ends"))
-def _follow(
+def _track(
     offsets: Array,
     bases: Array,
     frames: Array,
@@ -130,42 +132,43 @@ def _follow(
     ends: tuple[int, ...],
 ) -> Array:
     """[F, n, 4]: the poses of one frame after another, each found from the one before."""
-    tree = tuple(jnp.asarray(table) for table in stages.tables(stages.Tree(parents, ends)))
+    tree = tuple(jnp.asarray(table) for table in steps.tree_tables(steps.Tree(parents, ends)))
     is_end = tree[3][:, None] >= 0
 
     def step(pose: Array, row: tuple[Array, Array, Array]) -> tuple[Array, Array]:
-        rig = stages.Rig(offsets, *row, *tree)
+        rig = steps.TreeProblem(offsets, *row, *tree)
 
         def more(state: tuple[Array, Array]) -> Array:
             count, pose = state
-            return (count < _STEPS_ON) & (jnp.max(stages.miss_of(rig, pose)) > TOLERANCE_M)
+            return (count < _STEPS_ON) & (jnp.max(steps.residuals(rig, pose)) > TOLERANCE_M)
 
         def once(state: tuple[Array, Array]) -> tuple[Array, Array]:
             count, pose = state
-            return count + 1, jnp.where(is_end, pose, stages.descend(rig, pose, limits))
+            return count + 1, jnp.where(
+                is_end, pose, steps.damped_least_squares_step(rig, pose, limits)
+            )
 
-        found = lax.while_loop(more, once, (jnp.int32(0), pose))[1]
-        return found, found
+        solved = lax.while_loop(more, once, (jnp.int32(0), pose))[1]
+        return solved, solved
 
     return lax.scan(step, first, (bases, frames, targets))[1]
 
 
 def key_poses(
-    rig: Rig,
+    rig: LimbRig,
     root: Float[np.ndarray, "S 3"],
     local: Float[np.ndarray, "S J 4"],
     targets: Float[np.ndarray, "S E 3"],
 ) -> Float[np.ndarray, "S A n 4"]:
-    """Key poses for each of some poses of the body, from each of :func:`starts` of the first."""
+    """Key poses for poses of the body, each from all :func:`starting_poses` of the first."""
     base, frame = _bases(rig, root, local)
     shape = {"parents": rig.parents, "ends": rig.ends}
-    found = _keys(rig.offsets, base, frame, targets.astype(np.float32), starts(rig, local[0]),
-                  rig.limits, **shape)  # fmt: skip
-    return np.asarray(found)
+    start, goal = starting_poses(rig, local[0]), targets.astype(np.float32)
+    return np.asarray(_keys(rig.offsets, base, frame, goal, start, rig.limits, **shape))
 
 
-def follow_targets(
-    rig: Rig,
+def track_targets(
+    rig: LimbRig,
     root: Float[np.ndarray, "F 3"],
     local: Float[np.ndarray, "F J 4"],
     targets: Float[np.ndarray, "F E 3"],
@@ -178,31 +181,31 @@ def follow_targets(
     shape = {"parents": rig.parents, "ends": rig.ends}
 
     def run(rows: np.ndarray) -> np.ndarray:
-        found = [pose[None].astype(np.float32)]
+        solved = [pose[None].astype(np.float32)]
         for begin in range(0, len(rows), _BLOCK):
-            some = rows[begin : begin + _BLOCK]
-            rows_ = (base[some], frame[some], targets[some])
+            chunk = rows[begin : begin + _BLOCK]
+            rows_ = (base[chunk], frame[chunk], targets[chunk])
             arrays = [pad_axis(x.astype(np.float32), _BLOCK) for x in rows_]
-            block = _follow(rig.offsets, *arrays, found[-1][-1], rig.limits, **shape)
-            found.append(np.asarray(block)[: len(some)])
-        return np.concatenate(found[1:])
+            block = _track(rig.offsets, *arrays, solved[-1][-1], rig.limits, **shape)
+            solved.append(np.asarray(block)[: len(chunk)])
+        return np.concatenate(solved[1:])
 
     after = run(np.arange(key, count))
     before = run(np.arange(key, -1, -1))[::-1]
     return np.concatenate([before[:-1], after])
 
 
-def whole_pose(
-    rig: Rig, root: np.ndarray, local: np.ndarray, found: Float[np.ndarray, "F n 4"]
+def full_pose(
+    rig: LimbRig, root: np.ndarray, local: np.ndarray, solved: Float[np.ndarray, "F n 4"]
 ) -> Float[np.ndarray, "F J 4"]:
-    """The body's local rotations with those found, and the steady joints steady."""
+    """The body's local rotations with those found, and the locked joints locked."""
     local = local.astype(np.float32)
     _, turns = kinematics.forward(rig.skeleton, root.astype(np.float32), local)
-    new: dict[int, Array] = {joint: found[:, i] for i, joint in enumerate(rig.joints)}
-    return np.asarray(with_local_rotations(rig.skeleton, local, turns, new, rig.steady))
+    new: dict[int, Array] = {joint: solved[:, i] for i, joint in enumerate(rig.joints)}
+    return np.asarray(with_local_rotations(rig.skeleton, local, turns, new, rig.locked))
 
 
-def _bases(rig: Rig, root: np.ndarray, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _bases(rig: LimbRig, root: np.ndarray, local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Place of the limbs' base, and world rotation of what it hangs on."""
     turn = local[:, 0].astype(np.float32)
     offset = np.asarray(rig.skeleton.offsets, np.float32)[rig.joints[0]]
@@ -210,13 +213,15 @@ def _bases(rig: Rig, root: np.ndarray, local: np.ndarray) -> tuple[np.ndarray, n
     return np.asarray(base, np.float32), turn
 
 
-def effort(
-    rig: Rig, local: Float[np.ndarray, "J 4"], found: Float[np.ndarray, "P n 4"]
+def pose_cost(
+    rig: LimbRig, local: Float[np.ndarray, "J 4"], solved: Float[np.ndarray, "P n 4"]
 ) -> Float[np.ndarray, " P"]:
     """How far poses are from the walk's: turning the torso counts most, then an elbow held high."""
-    turned = quaternion.angle_between(found, np.broadcast_to(local[list(rig.joints)], found.shape))
-    arms = {joint for limb in rig.limbs if limb.name != "head" for joint in limb.joints}
-    shoulders = [find_role(rig.skeleton, f"{side}_shoulder") for side in ("left", "right")]
+    turned = quaternion.angle_between(
+        solved, np.broadcast_to(local[list(rig.joints)], solved.shape)
+    )
+    arms = {joint for limb in rig.limbs if limb.is_arm for joint in limb.joints}
+    shoulders = [find_role(rig.skeleton, arm.role("shoulder")) for arm in ARMS]
     first = min((s for s in shoulders if s in arms and s is not None), default=math.inf)
     weight = np.where(np.array(rig.joints) < first, 3.0, 0.3)
     return np.sum(weight * np.asarray(turned) ** 2, axis=-1)

@@ -96,7 +96,7 @@ def _solve(joints: Array, target: Array, tolerance: Array, max_iterations: int) 
 
 @_solve.defjvp
 def _solve_jvp(max_iterations: int, primals: tuple, tangents: tuple) -> tuple[Array, Array]:
-    """The same with a fixed number of iterations, each one kept."""
+    """New joints and their slopes, by a fixed number of iterations, each one kept."""
     joints, target, tolerance = primals
 
     def fixed(joints: Array, target: Array) -> Array:
@@ -143,8 +143,8 @@ def _solve_tile(
         fixed: whether the number of iterations is fixed, as differentiation needs it.
     """
     lengths = vec.norm(bones)
-    whole = jnp.sum(lengths, axis=0)
-    share = 1 / jnp.where(whole > 0, whole, 1.0)
+    total = jnp.sum(lengths, axis=0)
+    share = 1 / jnp.where(total > 0, total, 1.0)
     # From here on the chain's length is the unit.
     start, lengths = vec.scale(share[None], bones), lengths * share[None]
     target, limit = vec.scale(share, target), (tolerance * share) ** 2
@@ -179,7 +179,7 @@ def _solve_tile(
         lambda b: b,
         solved,
     )
-    return vec.scale(jnp.where(whole > 0, whole, 0.0)[None], solved)
+    return vec.scale(jnp.where(total > 0, total, 0.0)[None], solved)
 
 
 def _on_a_line(points: Array, target: Array) -> Array:
@@ -211,9 +211,11 @@ def _place(start: Array, towards: Array, length: Array) -> Array:
     Nearer to it than a thousandth of the length the slope would grow without bound; there the
     result falls short of ``length``, which :func:`_exact` makes good.
     """
-    way = towards - start
+    displacement = towards - start
     shortest = (_SHORT * length) ** 2 + vec.TINY
-    return start + vec.scale(length * lax.rsqrt(jnp.maximum(vec.dot(way, way), shortest)), way)
+    return start + vec.scale(
+        length * lax.rsqrt(jnp.maximum(vec.dot(displacement, displacement), shortest)), displacement
+    )
 
 
 def _exact(points: Array, start: Array, lengths: Array) -> Array:
@@ -229,16 +231,16 @@ def _finish(bones: Array, lengths: Array, target: Array, within: Array) -> Array
     straight = straight_pieces(bones, lengths, target)
     if bones.shape[0] == 1:
         return straight
-    closed, found = close_triangle(bones, target)
-    return vec.where((found & within)[None], closed, straight)
+    closed, closes = close_triangle(bones, target)
+    return vec.where((closes & within)[None], closed, straight)
 
 
 def _status(joints: Array, target: Array, solved: Array, tolerance: Array) -> Array:
     """[N] status of each chain."""
     lengths = jnp.sqrt(jnp.sum((joints[:, 1:] - joints[:, :-1]) ** 2, axis=-1))
     distance = jnp.sqrt(jnp.sum((target - joints[:, 0]) ** 2, axis=-1))
-    whole, longest = jnp.sum(lengths, axis=-1), jnp.max(lengths, axis=-1)
+    total, longest = jnp.sum(lengths, axis=-1), jnp.max(lengths, axis=-1)
     miss = jnp.sqrt(jnp.sum((solved[:, -1] - target) ** 2, axis=-1))
-    status = jnp.where(distance < 2 * longest - whole, UNREACHABLE_NEAR, NOT_CONVERGED)
-    status = jnp.where(distance > whole, UNREACHABLE_FAR, status)
+    status = jnp.where(distance < 2 * longest - total, UNREACHABLE_NEAR, NOT_CONVERGED)
+    status = jnp.where(distance > total, UNREACHABLE_FAR, status)
     return jnp.where(miss <= tolerance, REACHED, status).astype(jnp.int32)

@@ -50,21 +50,21 @@ def close_triangle(
     room = jnp.minimum(near + far - wide, wide - jnp.abs(near - far))
     joint = jnp.argmax(room, axis=0)
     chosen = jnp.arange(room.shape[0])[:, None] == joint[None]
-    found = jnp.max(room, axis=0) > _SLACK
+    closes = jnp.max(room, axis=0) > _SLACK
     elbow = jnp.sum(jnp.where(chosen[:, None], inner, 0.0), axis=0)
-    near = jnp.where(found, jnp.sum(jnp.where(chosen, near, 0.0), axis=0), 1.0)
-    far = jnp.where(found, jnp.sum(jnp.where(chosen, far, 0.0), axis=0), 1.0)
+    near = jnp.where(closes, jnp.sum(jnp.where(chosen, near, 0.0), axis=0), 1.0)
+    far = jnp.where(closes, jnp.sum(jnp.where(chosen, far, 0.0), axis=0), 1.0)
     ahead = vec.unit(target, vec.x_axis(target), 1e-6)
     side = _side(elbow, ahead)
-    ways = [
+    sides = [
         vec.scale(a, ahead) + vec.scale(b, side)
-        for a, b in _sides(near, far, jnp.where(found, distance, 1.0))
+        for a, b in _sides(near, far, jnp.where(closes, distance, 1.0))
     ]
-    first = _turn(vec.scale(1 / near, elbow), ways[0])
-    second = _turn(vec.scale(1 / far, end - elbow), ways[1])
+    first = _turn(vec.scale(1 / near, elbow), sides[0])
+    second = _turn(vec.scale(1 / far, end - elbow), sides[1])
     inside = jnp.arange(bones.shape[0])[:, None] <= joint[None]
     turned = vec.where(inside, first(bones), second(bones))
-    return vec.where(found[None], turned, bones), found
+    return vec.where(closes[None], turned, bones), closes
 
 
 def straight_pieces(

@@ -81,44 +81,6 @@ def joint_limits(
     )
 
 
-def limits_of_motion(
-    rotations: Float[np.ndarray, "F n 4"], bones: Float[np.ndarray, "n 3"], *, margin: float = 0.2
-) -> JointLimits:
-    """The ranges that joints use in captured motion, widened by ``margin`` rad on each side.
-
-    The centre is the mean rotation, and the first axis of swing the one about which the bone swings
-    most, so that an elbow becomes a hinge of some play.
-    """
-    rotations = np.asarray(rotations, np.float64)
-    moments = np.einsum("fni,fnj->nij", rotations, rotations)
-    centre = np.linalg.eigh(moments)[1][:, :, -1]
-    count = rotations.shape[1]
-    free = joint_limits(
-        bones, swing=[[-1, 1, -1, 1]] * count, twist=[[-1, 1]] * count, centre=centre
-    )
-    spread, turn = swing_twist(rotations, free)
-    across = []
-    for joint in range(count):
-        axis = np.linalg.eigh(spread[:, joint].T @ spread[:, joint])[1][:, -1]
-        second = np.cross(free.bone[joint], free.across[joint])
-        across.append((axis[0] * free.across[joint] + axis[1] * second).tolist())
-    turned = joint_limits(
-        bones, swing=free.swing.tolist(), twist=free.twist.tolist(), across=across, centre=centre
-    )
-    spread, turn = swing_twist(rotations, turned)
-
-    def span(angles: Array) -> np.ndarray:
-        low, high = angles.min(axis=0) - margin, angles.max(axis=0) + margin
-        return np.stack([np.clip(low, -math.pi, 0), np.clip(high, 0, math.pi)], axis=-1)
-
-    swing = np.concatenate([span(spread[..., 0]), span(spread[..., 1])], axis=-1)
-    # The ranges lie in an ellipse that touches the corners of their box.
-    swing = np.clip(swing * math.sqrt(2), -math.pi, math.pi)
-    return joint_limits(
-        bones, swing=swing.tolist(), twist=span(turn).tolist(), across=across, centre=centre
-    )
-
-
 def swing_twist(
     rotations: Float[Array, "*b n 4"], limits: JointLimits
 ) -> tuple[Float[Array, "*b n 2"], Float[Array, "*b n"]]:
@@ -202,6 +164,6 @@ def _axes(limits: JointLimits, like: Array) -> tuple[Array, Array, Array, Array]
     bx, by, bz = (bone[..., i] for i in range(3))
     ax, ay, az = (across[..., i] for i in range(3))
     second = xp.stack([by * az - bz * ay, bz * ax - bx * az, bx * ay - by * ax], axis=-1)
-    found = (xp.asarray(limits.centre), bone, across, second)
-    centre, bone, across, second = (xp.reshape(v, (*batch, *v.shape)) for v in found)
+    parts = (xp.asarray(limits.centre), bone, across, second)
+    centre, bone, across, second = (xp.reshape(v, (*batch, *v.shape)) for v in parts)
     return centre, bone, across, second

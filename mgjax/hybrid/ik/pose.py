@@ -14,7 +14,7 @@ from mgjax.core.errors import SkeletonError
 from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid.ik.chain import fabrik
 from mgjax.hybrid.ik.joint_limits import JointLimits
-from mgjax.hybrid.ik.limbs import Limb, steady_joints
+from mgjax.hybrid.ik.limbs import Limb, orientation_locked
 from mgjax.hybrid.ik.rotations import chain_rotations, with_local_rotations
 from mgjax.hybrid.ik.tree import fabrik_tree
 
@@ -42,7 +42,7 @@ def reach_pose(
     form where it must be; several limbs share the torso and are a tree, as is a limb with limits
     (:func:`mgjax.hybrid.ik.tree.fabrik_tree`). Root and legs stay as they are. What moves
     along with the torso keeps its orientation in the world where it has no target of its own
-    (:func:`mgjax.hybrid.ik.limbs.steady_joints`).
+    (:func:`mgjax.hybrid.ik.limbs.orientation_locked`).
 
     Args:
         skeleton: of the pose; its bones are rigid.
@@ -59,7 +59,7 @@ def reach_pose(
     Raises:
         SkeletonError: a limb is given twice, or one ends inside another.
     """
-    steady = steady_joints(skeleton, limbs)
+    steady = orientation_locked(skeleton, limbs)
     if len(limbs) == 1 and limits is None:
         chain = limbs[0].joints
         places, _ = kinematics.forward(skeleton, root_translation, local_rotations)
@@ -69,10 +69,10 @@ def reach_pose(
             tolerance=tolerance,
             max_iterations=max_iterations,
         )
-        found = chain_rotations(
+        solved = chain_rotations(
             skeleton, root_translation, local_rotations, chain, joints, steady=steady
         )
-        return found, status[..., None]
+        return solved, status[..., None]
     moved = moved_joints(limbs)
     ends = tuple(moved.index(limb.joints[-1]) for limb in limbs)
     above = tuple(skeleton.parents[joint] for joint in moved)
@@ -97,11 +97,11 @@ def reach_pose(
         tolerance=tolerance,
         max_iterations=max_iterations,
     )
-    found = with_local_rotations(
+    solved = with_local_rotations(
         skeleton,
         local_rotations,
         turns,
         dict(zip(moved, jnp.moveaxis(rotations, -2, 0), strict=True)),
         steady,
     )
-    return found, status
+    return solved, status

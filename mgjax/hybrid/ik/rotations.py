@@ -33,7 +33,7 @@ def chain_rotations(
         chain: indices of joints, each the parent of the next; the first one does not move.
         joints: wanted places of the chain's joints, m.
         steady: joints outside the chain, or its end, that keep their world orientation
-            (:func:`mgjax.hybrid.ik.limbs.steady_joints`).
+            (:func:`mgjax.hybrid.ik.limbs.orientation_locked`).
     """
     xp = namespace(root_translation, local_rotations, joints)
     places, turns = kinematics.forward(skeleton, root_translation, local_rotations)

@@ -15,7 +15,7 @@ from jax import lax
 from jaxtyping import Float, Int
 
 from mgjax.core.arrays import Array
-from mgjax.hybrid.ik import tree_steps as stages
+from mgjax.hybrid.ik import tree_steps as steps
 from mgjax.hybrid.ik.chain import NOT_CONVERGED, REACHED, UNREACHABLE_FAR, UNREACHABLE_NEAR
 from mgjax.hybrid.ik.joint_limits import JointLimits, clamp, from_swing_twist
 
@@ -74,26 +74,28 @@ def fabrik_tree(
         ``(rotations, status)``, one status of :mod:`mgjax.hybrid.ik.chain` for each end. Too
         far and too near are judged by bone lengths; what limits forbid is ``NOT_CONVERGED``.
     """
-    tree = stages.tables(stages.Tree(parents, ends))
+    tree = steps.tree_tables(steps.Tree(parents, ends))
     batch = base.shape[:-1]
     starts = _starts(rotations.shape[-2], limits)
-    effort = max_iterations, max_steps, max_starts
+    budget = max_iterations, max_steps, max_starts
     goal = jnp.asarray(tolerance, jnp.float32)
 
     lengths = _lengths(jnp.asarray(offsets), tree)
 
     def one(base: Array, rotations: Array, targets: Array, frame: Array) -> tuple[Array, Array]:
-        rig = stages.Rig(jnp.asarray(offsets), base, frame, targets, *map(jnp.asarray, tree))
-        nearer = rig._replace(targets=_within_length(rig, lengths))
-        found = _search(nearer, rotations, starts, limits, goal, effort)
-        return found, _status(rig, found, lengths, goal)
+        problem = steps.TreeProblem(
+            jnp.asarray(offsets), base, frame, targets, *map(jnp.asarray, tree)
+        )
+        nearer = problem._replace(targets=_within_length(problem, lengths))
+        solved = _search(nearer, rotations, starts, limits, goal, budget)
+        return solved, _status(problem, solved, lengths, goal)
 
     if frame is None:
         frame = jnp.zeros((*batch, 4), jnp.float32).at[..., 0].set(1.0)
     arrays = (base, rotations, targets, frame)
     flat = [jnp.reshape(jnp.asarray(a, jnp.float32), (-1, *a.shape[len(batch) :])) for a in arrays]
-    found, status = jax.vmap(one)(*flat)
-    return found.reshape(rotations.shape), status.reshape(*batch, len(ends))
+    solved, status = jax.vmap(one)(*flat)
+    return solved.reshape(rotations.shape), status.reshape(*batch, len(ends))
 
 
 def _starts(count: int, limits: JointLimits | None) -> Array:
@@ -111,26 +113,26 @@ def _starts(count: int, limits: JointLimits | None) -> Array:
 
 
 def _search(
-    rig: stages.Rig,
+    problem: steps.TreeProblem,
     given: Array,
     starts: Array,
     limits: JointLimits | None,
     tolerance: Array,
-    effort: tuple,
+    budget: tuple,
 ) -> Array:
     """The pose of the first start that gets there, else the best."""
 
     def worst(local: Array) -> Array:
-        return jnp.max(stages.miss_of(rig, local))
+        return jnp.max(steps.residuals(problem, local))
 
-    max_iterations, max_steps, max_starts = effort
+    max_iterations, max_steps, max_starts = budget
 
     def repeat(move: Callable, local: Array, times: Array | int) -> tuple[Array, Array]:
         """The best pose on the way, and its miss."""
 
         def body(state):
             k, local, best, least = state
-            local = move(rig, local, limits)
+            local = move(problem, local, limits)
             miss = worst(local)
             best = jnp.where(miss < least, local, best)
             return k + 1, local, best, jnp.minimum(miss, least)
@@ -140,22 +142,22 @@ def _search(
         return state[2], state[3]
 
     def climb(local: Array) -> tuple[Array, Array]:
-        local, _ = repeat(stages.iterate, local, max_iterations)
-        return repeat(stages.descend, local, max_steps)
+        local, _ = repeat(steps.fabrik_iteration, local, max_iterations)
+        return repeat(steps.damped_least_squares_step, local, max_steps)
 
     first = given if limits is None else clamp(given, limits)
     best, least = climb(first)
 
     def again(state):
         k, best, least = state
-        found, miss = climb(starts[k])
-        return k + 1, jnp.where(miss < least, found, best), jnp.minimum(miss, least)
+        solved, miss = climb(starts[k])
+        return k + 1, jnp.where(miss < least, solved, best), jnp.minimum(miss, least)
 
     if starts.shape[0]:
         state = (0, best, least)
         more = jnp.minimum(max_starts - 1, starts.shape[0])
         best = lax.while_loop(lambda s: (s[0] < more) & (s[2] > tolerance), again, state)[1]
-    ends = rig.end_of[:, None] >= 0
+    ends = problem.end_of[:, None] >= 0
     return jnp.where(ends, given, best)
 
 
@@ -169,18 +171,20 @@ def _lengths(offsets: Array, tree: tuple[np.ndarray, ...]) -> Array:
     return jnp.where(jnp.asarray(on_way.T), lengths[None], 0.0)
 
 
-def _within_length(rig: stages.Rig, lengths: Array) -> Array:
+def _within_length(problem: steps.TreeProblem, lengths: Array) -> Array:
     """The targets; those too far brought within reach, so that they do not spoil the others."""
-    way = rig.targets - rig.base[None]
-    distance = jnp.sqrt(jnp.maximum(jnp.sum(way * way, axis=-1), 1e-12))
+    displacement = problem.targets - problem.base[None]
+    distance = jnp.sqrt(jnp.maximum(jnp.sum(displacement * displacement, axis=-1), 1e-12))
     share = jnp.minimum(1.0, _REACH * jnp.sum(lengths, axis=-1) / distance)
-    near = rig.base[None] + share[:, None] * way
-    return jnp.where((distance > jnp.sum(lengths, axis=-1))[:, None], near, rig.targets)
+    near = problem.base[None] + share[:, None] * displacement
+    return jnp.where((distance > jnp.sum(lengths, axis=-1))[:, None], near, problem.targets)
 
 
-def _status(rig: stages.Rig, local: Array, lengths: Array, tolerance: Array) -> Array:
-    whole, longest = jnp.sum(lengths, axis=-1), jnp.max(lengths, axis=-1)
-    distance = jnp.sqrt(jnp.sum((rig.targets - rig.base[None]) ** 2, axis=-1))
-    status = jnp.where(distance < 2 * longest - whole, UNREACHABLE_NEAR, NOT_CONVERGED)
-    status = jnp.where(distance > whole, UNREACHABLE_FAR, status)
-    return jnp.where(stages.miss_of(rig, local) <= tolerance, REACHED, status).astype(jnp.int32)
+def _status(problem: steps.TreeProblem, local: Array, lengths: Array, tolerance: Array) -> Array:
+    total, longest = jnp.sum(lengths, axis=-1), jnp.max(lengths, axis=-1)
+    distance = jnp.sqrt(jnp.sum((problem.targets - problem.base[None]) ** 2, axis=-1))
+    status = jnp.where(distance < 2 * longest - total, UNREACHABLE_NEAR, NOT_CONVERGED)
+    status = jnp.where(distance > total, UNREACHABLE_FAR, status)
+    return jnp.where(steps.residuals(problem, local) <= tolerance, REACHED, status).astype(
+        jnp.int32
+    )

@@ -35,7 +35,7 @@ class Tree(NamedTuple):
     ends: tuple[int, ...]
 
 
-class Rig(NamedTuple):
+class TreeProblem(NamedTuple):
     """What is fixed while one tree is solved, and the tree's tables.
 
     Attributes:
@@ -61,16 +61,16 @@ class Rig(NamedTuple):
     ends: Int[Array, " E"]
 
 
-def tables(tree: Tree) -> tuple[np.ndarray, ...]:
-    """``parents``, ``children``, ``below``, ``end_of`` and ``ends`` of a :class:`Rig`."""
+def tree_tables(tree: Tree) -> tuple[np.ndarray, ...]:
+    """``parents``, ``children``, ``below``, ``end_of`` and ``ends`` of a :class:`TreeProblem`."""
     count = len(tree.parents)
     hanging: list[list[int]] = [[] for _ in range(count)]
     for joint, parent in enumerate(tree.parents):
         if parent >= 0:
             hanging[parent].append(joint)
     children = np.full((count, max(len(c) for c in hanging)), -1, np.int32)
-    for joint, found in enumerate(hanging):
-        children[joint, : len(found)] = found
+    for joint, members in enumerate(hanging):
+        children[joint, : len(members)] = members
     below = np.zeros((count, len(tree.ends)), bool)
     end_of = np.full(count, -1, np.int32)
     for slot, end in enumerate(tree.ends):
@@ -83,35 +83,39 @@ def tables(tree: Tree) -> tuple[np.ndarray, ...]:
     return np.array(tree.parents, np.int32), children, below, end_of, ends
 
 
-def place(rig: Rig, local: Float[Array, "n 4"]) -> tuple[Float[Array, "n 3"], Float[Array, "n 4"]]:
+def place(
+    problem: TreeProblem, local: Float[Array, "n 4"]
+) -> tuple[Float[Array, "n 3"], Float[Array, "n 4"]]:
     """Places (m) and world rotations of all joints."""
     count = local.shape[0]
 
     def step(joint: jax.Array, state: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
         places, turns = state
-        parent = rig.parents[joint]
-        above = jnp.where(parent < 0, rig.frame, turns[parent])
-        there = places[parent] + quaternion.rotate(above, rig.offsets[joint])
-        places = places.at[joint].set(jnp.where(parent < 0, rig.base, there))
+        parent = problem.parents[joint]
+        above = jnp.where(parent < 0, problem.frame, turns[parent])
+        placed = places[parent] + quaternion.rotate(above, problem.offsets[joint])
+        places = places.at[joint].set(jnp.where(parent < 0, problem.base, placed))
         return places, turns.at[joint].set(quaternion.multiply(above, local[joint]))
 
-    return lax.fori_loop(0, count, step, (jnp.zeros_like(rig.offsets), jnp.zeros_like(local)))
+    return lax.fori_loop(0, count, step, (jnp.zeros_like(problem.offsets), jnp.zeros_like(local)))
 
 
-def iterate(rig: Rig, local: Float[Array, "n 4"], limits: JointLimits | None) -> Array:
+def fabrik_iteration(
+    problem: TreeProblem, local: Float[Array, "n 4"], limits: JointLimits | None
+) -> Array:
     """One forward and one backward stage (Aristidou & Lasenby 2011, algorithm 1 and section 4).
 
     A joint with several children, a sub-base, is turned to fit them all and goes to the mean of the
     places that they ask for. With limits, each stage brings each joint's rotation inside them as
     soon as it is known.
     """
-    places, turns = place(rig, local)
+    places, turns = place(problem, local)
     count = local.shape[0]
 
     def inward(index: jax.Array, state: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
         wanted, turns = state
         joint = count - 1 - index
-        kids, real, arms = _kids(rig, joint)
+        kids, real, arms = _kids(problem, joint)
         turn = _fit(quaternion.rotate(turns[joint], arms), wanted[kids] - places[joint][None], real)
         turned = quaternion.multiply(turn, turns[joint])
         if limits is not None:
@@ -119,27 +123,27 @@ def iterate(rig: Rig, local: Float[Array, "n 4"], limits: JointLimits | None) ->
             bent = quaternion.multiply(quaternion.conjugate(turned), turns[child])
             held = _clamp_one(bent, limits, child)
             back = quaternion.multiply(turns[child], quaternion.conjugate(held))
-            turned = jnp.where((jnp.sum(real) == 1) & ~_is_end(rig, child), back, turned)
+            turned = jnp.where((jnp.sum(real) == 1) & ~_is_end(problem, child), back, turned)
         asked = wanted[kids] - quaternion.rotate(turned, arms)
         count_of = jnp.maximum(jnp.sum(real), 1).astype(asked.dtype)
         mean = jnp.sum(jnp.where(real[:, None], asked, 0.0), axis=0) / count_of
-        end = rig.end_of[joint]
-        goal = jnp.where(end < 0, mean, rig.targets[end])
+        end = problem.end_of[joint]
+        goal = jnp.where(end < 0, mean, problem.targets[end])
         turned = jnp.where(end < 0, turned, turns[joint])
         return wanted.at[joint].set(goal), turns.at[joint].set(turned)
 
     def outward(joint: jax.Array, state: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
         new_places, new_turns, new_local = state
-        parent = rig.parents[joint]
-        above = jnp.where(parent < 0, rig.frame, new_turns[parent])
-        there = new_places[parent] + quaternion.rotate(above, rig.offsets[joint])
-        here = jnp.where(parent < 0, rig.base, there)
-        kids, real, arms = _kids(rig, joint)
+        parent = problem.parents[joint]
+        above = jnp.where(parent < 0, problem.frame, new_turns[parent])
+        placed = new_places[parent] + quaternion.rotate(above, problem.offsets[joint])
+        here = jnp.where(parent < 0, problem.base, placed)
+        kids, real, arms = _kids(problem, joint)
         now = forward[joint]
         turn = _fit(quaternion.rotate(now, arms), wanted[kids] - here[None], real)
         bent = quaternion.multiply(quaternion.conjugate(above), quaternion.multiply(turn, now))
         bent = bent if limits is None else _clamp_one(bent, limits, joint)
-        bent = jnp.where(_is_end(rig, joint), local[joint], quaternion.normalise(bent))
+        bent = jnp.where(_is_end(problem, joint), local[joint], quaternion.normalise(bent))
         return (
             new_places.at[joint].set(here),
             new_turns.at[joint].set(quaternion.multiply(above, bent)),
@@ -150,7 +154,9 @@ def iterate(rig: Rig, local: Float[Array, "n 4"], limits: JointLimits | None) ->
     return lax.fori_loop(0, count, outward, (places, turns, local))[2]
 
 
-def descend(rig: Rig, local: Float[Array, "n 4"], limits: JointLimits | None) -> Array:
+def damped_least_squares_step(
+    problem: TreeProblem, local: Float[Array, "n 4"], limits: JointLimits | None
+) -> Array:
     """One damped least-squares step of all joints towards all targets.
 
     With r the arm from a joint to an end, the joint's turn ω moves the end by ω × r. The turns of
@@ -158,9 +164,9 @@ def descend(rig: Rig, local: Float[Array, "n 4"], limits: JointLimits | None) ->
     (Sugihara 2011), so that the step is bold only near the targets. Where a limit stops a joint,
     the step is computed again with only what the limit leaves of the joint's turn.
     """
-    places, turns = place(rig, local)
-    above = jnp.where(rig.parents[:, None] < 0, rig.frame[None], turns[rig.parents])
-    arms = jnp.where(rig.below[..., None], places[rig.ends][None] - places[:, None], 0.0)
+    places, turns = place(problem, local)
+    above = jnp.where(problem.parents[:, None] < 0, problem.frame[None], turns[problem.parents])
+    arms = jnp.where(problem.below[..., None], places[problem.ends][None] - places[:, None], 0.0)
     x, y, z = (arms[..., i] for i in range(3))
     zero = jnp.zeros_like(x)
     # [n, E, 3, 3] with jacobian @ ω = ω × r.
@@ -168,7 +174,7 @@ def descend(rig: Rig, local: Float[Array, "n 4"], limits: JointLimits | None) ->
     jacobian = jnp.stack([jnp.stack(row, axis=-1) for row in rows], axis=-2)
     count, ends = arms.shape[:2]
     jacobian = jnp.swapaxes(jacobian.reshape(count, 3 * ends, 3), 0, 1)
-    miss = (rig.targets - places[rig.ends]).reshape(-1)
+    miss = (problem.targets - places[problem.ends]).reshape(-1)
     damping = 0.5 * jnp.sum(miss * miss) + 1e-7
 
     def step(freedom: Float[Array, "n 3 3"]) -> tuple[Array, Array]:
@@ -198,21 +204,21 @@ def descend(rig: Rig, local: Float[Array, "n 4"], limits: JointLimits | None) ->
     return clamp(step(jnp.where(stopped[:, None, None], left, free))[1], limits)
 
 
-def miss_of(rig: Rig, local: Float[Array, "n 4"]) -> Float[Array, " E"]:
+def residuals(problem: TreeProblem, local: Float[Array, "n 4"]) -> Float[Array, " E"]:
     """Distance of each end from its target, m."""
-    off = place(rig, local)[0][rig.ends] - rig.targets
+    off = place(problem, local)[0][problem.ends] - problem.targets
     return jnp.sqrt(jnp.sum(off * off, axis=-1))
 
 
-def _kids(rig: Rig, joint: Array) -> tuple[Array, Array, Array]:
-    kids = rig.children[joint]
+def _kids(problem: TreeProblem, joint: Array) -> tuple[Array, Array, Array]:
+    kids = problem.children[joint]
     real = kids >= 0
     kids = jnp.maximum(kids, 0)
-    return kids, real, jnp.where(real[:, None], rig.offsets[kids], 0.0)
+    return kids, real, jnp.where(real[:, None], problem.offsets[kids], 0.0)
 
 
-def _is_end(rig: Rig, joint: Array) -> Array:
-    return rig.end_of[joint] >= 0
+def _is_end(problem: TreeProblem, joint: Array) -> Array:
+    return problem.end_of[joint] >= 0
 
 
 def _fit(arms: Float[Array, "C 3"], wanted: Float[Array, "C 3"], real: Bool[Array, " C"]) -> Array:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mgjax.hybrid.paths.frontier import Front, Leaf, Search, join
+from mgjax.hybrid.paths.frontier import Frontier, Search, Terminal, concatenate
 
 SHORTLIST = 8
-"""Of so many times the width, the cheapest so far, the lower bound is computed."""
+"""The lower bound is computed of the cheapest walks so far, so many times the width."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,13 +24,13 @@ class Beam:
         interrupted: the time was over before the beam was.
     """
 
-    best: Leaf | None
-    farthest: Leaf
+    best: Terminal | None
+    farthest: Terminal
     arc: float
     interrupted: bool
 
 
-def better(one: Leaf | None, other: Leaf | None, with_end: bool) -> Leaf | None:
+def better(one: Terminal | None, other: Terminal | None, with_end: bool) -> Terminal | None:
     """The better of two walks; to a given end a complete one beats one that is not."""
     if one is None or other is None:
         return one or other
@@ -39,7 +39,7 @@ def better(one: Leaf | None, other: Leaf | None, with_end: bool) -> Leaf | None:
     return one if one.cost <= other.cost else other
 
 
-def limit_of(best: Leaf | None, with_end: bool) -> float:
+def limit_of(best: Terminal | None, with_end: bool) -> float:
     """Partial walks that cost as much cannot become better."""
     if best is None or (with_end and not best.complete):
         return math.inf
@@ -47,12 +47,12 @@ def limit_of(best: Leaf | None, with_end: bool) -> float:
 
 
 def run_beam(
-    search: Search, begin: Front, *, width: int, horizon: int, deadline: float = math.inf
+    search: Search, begin: Frontier, *, width: int, horizon: int, deadline: float = math.inf
 ) -> Beam:
     """Searches from the given walks on.
 
     Walks are sorted by their frames into slots of Δ. In each slot, from the first on, the ``width``
-    best by cost and lower bound are extended by all their strides.
+    best by cost and lower bound are extended by all their macro edges.
 
     Args:
         search: graph, path and memory.
@@ -61,50 +61,50 @@ def run_beam(
         horizon: frames; a walk of so many is over.
         deadline: in the time of ``time.perf_counter``; checked once per slot.
     """
-    delta, with_end = search.strides.delta, search.request.with_end
-    slots: dict[int, list[Front]] = {}
+    delta, with_end = search.macro_edges.delta, search.request.with_end
+    slots: dict[int, list[Frontier]] = {}
     _sort_in(slots, begin, delta)
-    best: Leaf | None = None
+    best: Terminal | None = None
     farthest, arc = _farthest(begin)
     interrupted = False
     while slots:
         if time.perf_counter() > deadline:
             interrupted = True
             break
-        front = join(slots.pop(min(slots)))
-        if len(front.stop) > SHORTLIST * width:
-            order = np.argpartition(front.state[:, 4], SHORTLIST * width)[: SHORTLIST * width]
-            search.pruned += len(front.stop) - len(order)
-            front = front.pick(order)
-        keys = search.bounds(front, horizon)
+        frontier = concatenate(slots.pop(min(slots)))
+        if len(frontier.stop) > SHORTLIST * width:
+            order = np.argpartition(frontier.state[:, 4], SHORTLIST * width)[: SHORTLIST * width]
+            search.pruned += len(frontier.stop) - len(order)
+            frontier = frontier.pick(order)
+        keys = search.bounds(frontier, horizon)
         order = np.argsort(keys, kind="stable")[:width]
         order = order[keys[order] < limit_of(best, with_end)]
         search.pruned += len(keys) - len(order)
         if not len(order):
             continue
         children, complete, reached = search.expand(
-            front.pick(order), horizon, limit_of(best, with_end), SHORTLIST * width
+            frontier.pick(order), horizon, limit_of(best, with_end), SHORTLIST * width
         )
-        for leaf in (complete, reached):
-            best = better(best, leaf, with_end)
+        for terminal in (complete, reached):
+            best = better(best, terminal, with_end)
         if len(children.stop):
             _sort_in(slots, children, delta)
-            leaf, reach = _farthest(children)
+            terminal, reach = _farthest(children)
             if reach > arc:
-                farthest, arc = leaf, reach
+                farthest, arc = terminal, reach
     return Beam(best=best, farthest=farthest, arc=arc, interrupted=interrupted)
 
 
-def _sort_in(slots: dict[int, list[Front]], front: Front, delta: int) -> None:
-    number = front.frames // delta
+def _sort_in(slots: dict[int, list[Frontier]], frontier: Frontier, delta: int) -> None:
+    number = frontier.frames // delta
     for slot in np.unique(number).tolist():
-        slots.setdefault(slot, []).append(front.pick(number == slot))
+        slots.setdefault(slot, []).append(frontier.pick(number == slot))
 
 
-def _farthest(front: Front) -> tuple[Leaf, float]:
+def _farthest(frontier: Frontier) -> tuple[Terminal, float]:
     """The walk with most arc length; of those within 1 cm the cheapest."""
-    arc = front.state[:, 3]
-    cost = np.where(arc > arc.max() - 0.01, front.state[:, 4], np.inf)
+    arc = frontier.state[:, 3]
+    cost = np.where(arc > arc.max() - 0.01, frontier.state[:, 4], np.inf)
     i = int(np.argmin(cost))
-    leaf = Leaf(float(cost[i]), int(front.record[i]), -1, int(front.frames[i]), False)
-    return leaf, float(arc[i])
+    terminal = Terminal(float(cost[i]), int(frontier.record[i]), -1, int(frontier.frames[i]), False)
+    return terminal, float(arc[i])

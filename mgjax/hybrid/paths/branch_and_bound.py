@@ -8,22 +8,22 @@ import time
 import numpy as np
 
 from mgjax.hybrid.paths.beam import better, limit_of
-from mgjax.hybrid.paths.frontier import Front, Leaf, Search, join
+from mgjax.hybrid.paths.frontier import Frontier, Search, Terminal, concatenate
 
 BATCH = 768
-"""Partial walks that are taken from the top of the stack at once: all their strides are one call,
-so that the search is as deep first as batches allow."""
+"""Partial walks that are taken from the top of the stack at once: all their macro edges are one
+call, so that the search is as deep first as batches allow."""
 
 
 def branch_and_bound(
     search: Search,
-    begin: Front,
+    begin: Frontier,
     *,
     horizon: int,
-    best: Leaf | None = None,
+    best: Terminal | None = None,
     expansions: int,
     deadline: float = math.inf,
-) -> tuple[Leaf | None, bool, bool]:
+) -> tuple[Terminal | None, bool, bool]:
     """The best walk up to the horizon (eq. 6: g ≥ 0, so a walk that costs as much is cut).
 
     Args:
@@ -47,25 +47,25 @@ def branch_and_bound(
         if search.expanded >= most:
             return best, False, False
         top = _pop(stack)
-        found, limit = len(top.stop), limit_of(best, with_end)
+        taken, limit = len(top.stop), limit_of(best, with_end)
         top = top.pick(top.state[:, 4] < limit)
         if len(top.stop):
             top = top.pick(search.bounds(top, horizon) < limit)
-        search.pruned += found - len(top.stop)
+        search.pruned += taken - len(top.stop)
         if not len(top.stop):
             continue
         children, complete, reached = search.expand(top, horizon, limit)
-        for leaf in (complete, reached):
-            best = better(best, leaf, with_end)
+        for terminal in (complete, reached):
+            best = better(best, terminal, with_end)
         if len(children.stop):
             # The cheapest on top of the stack.
             stack.append(children.pick(np.argsort(-children.state[:, 4], kind="stable")))
     return best, True, False
 
 
-def _pop(stack: list[Front]) -> Front:
+def _pop(stack: list[Frontier]) -> Frontier:
     """The walks on top of the stack, a batch of them."""
-    taken: list[Front] = []
+    taken: list[Frontier] = []
     room = BATCH
     while stack and room > 0:
         top = stack.pop()
@@ -74,4 +74,4 @@ def _pop(stack: list[Front]) -> Front:
             top = top.pick(slice(-room, None))
         taken.append(top)
         room -= len(top.stop)
-    return join(taken)
+    return concatenate(taken)

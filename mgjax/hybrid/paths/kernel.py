@@ -1,6 +1,6 @@
-"""The heavy part of the path search: many partial walks extended by many strides at once.
+"""The heavy part of the path search: many partial walks extended by many macro edges at once.
 
-Everything here is one jitted call over flat pairs (partial walk, stride). Shapes depend on the
+Everything here is one jitted call over flat pairs (partial walk, macro edge). Shapes depend on the
 size of the graph's tables and on a few buckets of pairs, not on the path.
 """
 
@@ -19,8 +19,8 @@ from mgjax.core.arrays import Array
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register
 from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.macro.macro_edges import MacroEdges
 from mgjax.hybrid.paths.curve import SAMPLES, SPACING_M, Curve
-from mgjax.hybrid.paths.macro_edges import Strides
 from mgjax.hybrid.paths.sketch import Sketch
 
 SMALLEST, LARGEST, GROWTH = 256, 6912, 3
@@ -99,28 +99,28 @@ def make_request(curve: Curve, sketch: Sketch, config: PathConfig) -> Request:
 
 
 @jax.jit
-def extend(
+def extension_costs(
     track: Float[Array, "K 4 W"],
-    manner: Float[Array, "K 2 W"],
+    speed_heading: Float[Array, "K 2 W"],
     request: Request,
     state: Float[Array, "P 5"],
-    stride: Int[Array, " P"],
+    macro_edge: Int[Array, " P"],
     frames: Int[Array, "P 2"],
 ) -> Float[Array, "3 P"]:
-    """Costs of partial walks after one more stride (eqs 6–7).
+    """Costs of partial walks after one more macro edge (eqs 6–7).
 
     Args:
-        track, manner: see :class:`mgjax.hybrid.paths.macro_edges.Strides`.
+        track, speed_heading: see :class:`mgjax.hybrid.macro.macro_edges.MacroEdges`.
         request: the path.
         state: heading, x, z, arc length and cost of each partial walk.
-        stride: by which each is extended.
-        frames: of the stride, and how many frames count until the horizon.
+        macro_edge: by which each is extended.
+        frames: of the macro edge, and how many frames count until the horizon.
 
     Returns:
         The cost, inf if the walk strays or cannot go on because it is complete; the cost of the
-        walk if it ends in this stride as complete, else inf; and the frames until then.
+        walk if it ends in this macro edge as complete, else inf; and the frames until then.
     """
-    own = _rows(track, stride)
+    own = _rows(track, macro_edge)
     c, s = jnp.cos(state[:, :1]), jnp.sin(state[:, :1])
     x = own[:, 0] * c + own[:, 1] * s + state[:, 1:2]
     z = own[:, 1] * c - own[:, 0] * s + state[:, 2:3]
@@ -135,7 +135,7 @@ def extend(
     strayed = strayed | (counted & _inside(request.obstacles, x, z))
     if request.with_speed:
         wanted = _rows(request.speeds, index)
-        slow = jnp.where(jnp.isnan(wanted), 0.0, _rows(manner, stride)[:, 0] - wanted)
+        slow = jnp.where(jnp.isnan(wanted), 0.0, _rows(speed_heading, macro_edge)[:, 0] - wanted)
         square = square + request.speed_weight * slow**2
     square = square + request.blend_weight * own[:, 3]
     square = jnp.where(strayed, jnp.inf, jnp.where(counted, square, 0.0))
@@ -146,7 +146,7 @@ def extend(
         return jnp.stack(
             [jnp.where(finished, jnp.inf, cost), jnp.where(finished, cost, jnp.inf), count]
         )
-    heading = state[:, :1] + _rows(manner, stride)[:, 1]
+    heading = state[:, :1] + _rows(speed_heading, macro_edge)[:, 1]
     total = state[:, 4:5] + jnp.cumsum(square, axis=1) + _end_cost(request, x, z, heading)
     total = jnp.where(counted & (arc >= request.length - END_EARLY_M), total, jnp.inf)
     over = jnp.any(counted & (arc >= request.length + late), axis=1)
@@ -183,7 +183,7 @@ def _end_cost(request: Request, x: Array, z: Array, heading: Array) -> Array:
 
 
 @jax.jit
-def bound(
+def lower_bounds(
     ahead: Float[Array, "N 4 T"],
     request: Request,
     state: Float[Array, "B 5"],
@@ -197,7 +197,7 @@ def bound(
     which the walk may be over do not count. inf: every continuation strays.
 
     Args:
-        ahead: the discs; see :class:`mgjax.hybrid.paths.macro_edges.Strides`.
+        ahead: the discs; see :class:`mgjax.hybrid.macro.macro_edges.MacroEdges`.
         request: the path.
         state: heading, x, z, arc length and cost of each partial walk.
         stop: where each stands.
@@ -220,23 +220,23 @@ def bound(
     return jnp.sum(jnp.where(counted, square, 0.0), axis=1)
 
 
-_prepared: set[tuple[object, ...]] = set()
+_compiled: set[tuple[object, ...]] = set()
 
 
-def prepare(strides: Strides, request: Request) -> None:
+def compile_kernels(macro_edges: MacroEdges, request: Request) -> None:
     """Compiles the kernels for all sizes, once for tables of one shape."""
-    tables = (strides.track, strides.manner, strides.ahead)
+    tables = (macro_edges.track, macro_edges.speed_heading, macro_edges.ahead)
     key = (*(t.shape for t in tables), request.obstacles.shape)
     key += (request.with_speed, request.with_end)
-    if key in _prepared:
+    if key in _compiled:
         return
     size = SMALLEST
     while size <= LARGEST:
         state, number = np.zeros((size, 5), np.float32), np.zeros(size, np.int32)
-        extend(*tables[:2], request, state, number, np.zeros((size, 2), np.int32))
-        bound(tables[2], request, state, number, number).block_until_ready()
+        extension_costs(*tables[:2], request, state, number, np.zeros((size, 2), np.int32))
+        lower_bounds(tables[2], request, state, number, number).block_until_ready()
         size *= GROWTH
-    _prepared.add(key)
+    _compiled.add(key)
 
 
 def in_buckets(pairs: int) -> list[tuple[int, int, int]]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from mgjax.core import planar
 from mgjax.core.kinematics import global_positions, planar_frames
@@ -16,9 +16,11 @@ from mgjax.graph.plants import foot_slide, walk_plants
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk, sample_walk
 from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.macro.macro_edges import MIN_PROGRESS_M_S
+from mgjax.hybrid.macro.pieces import EdgePieces
 from mgjax.hybrid.paths.curve import Curve
-from mgjax.hybrid.paths.macro_edges import CREEP_M_S, Pieces, Strides
 from mgjax.hybrid.paths.sketch import Sketch
+from mgjax.hybrid.prepared import Prepared
 
 Status = Literal["followed", "lost", "time_limit"]
 
@@ -57,8 +59,8 @@ class Track:
         )
 
 
-def lay_out(
-    graph: MotionGraph, pieces: Pieces, played: list[int], start: Float[np.ndarray, "3"]
+def place_pieces(
+    graph: MotionGraph, pieces: EdgePieces, played: list[int], start: Float[np.ndarray, "3"]
 ) -> Track:
     """The root's track over pieces of a walk, from the planar frame of the body at the start."""
     chosen = np.asarray(played, dtype=np.int64)
@@ -69,11 +71,11 @@ def lay_out(
         parts.append(planar.compose(here, pieces.body[frames]))
         here = planar.compose(here, pieces.exit[one])
     body = np.concatenate(parts)
-    way = np.concatenate([start[None, 1:], body[:, 1:]])
-    steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
+    places = np.concatenate([start[None, 1:], body[:, 1:]])
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
     return Track(
         places=body[:, 1:],
-        arc=np.cumsum(np.maximum(steps, CREEP_M_S / graph.frame_rate)),
+        arc=np.cumsum(np.maximum(steps, MIN_PROGRESS_M_S / graph.frame_rate)),
         speed=steps * graph.frame_rate,
         heading=body[:, 0],
         blend=np.repeat(pieces.blend[chosen], pieces.frames[chosen]),
@@ -92,6 +94,7 @@ class PathResult:
         start: planar frame of the body at the beginning.
         frames, seconds: of the motion.
         motion: the poses, one per frame, at the graph's rate.
+        plants: in which frames the left and the right foot should stand still. [F + 1, 2]
         track: the root's.
         error: Σ ‖P'(s) − P(s)‖² over the frames, m² (eq. 7).
         distance: of each frame's root to the path, m. [F]
@@ -113,6 +116,7 @@ class PathResult:
     frames: int
     seconds: float
     motion: Motion
+    plants: Bool[np.ndarray, "F1 2"]
     track: Track
     error: float
     distance: Float[np.ndarray, " F"]
@@ -140,9 +144,9 @@ class PathResult:
         return float(self.distance.max())
 
 
-def finish(
+def measure_walk(
     graph: MotionGraph,
-    strides: Strides,
+    prepared: Prepared,
     curve: Curve,
     sketch: Sketch,
     *,
@@ -153,10 +157,10 @@ def finish(
     **counts: Any,
 ) -> PathResult:
     """Measures a walk, given as pieces of edges and the frames of them that are played."""
-    parts = strides.pieces
+    parts = prepared.macro_edges.pieces
     # An edge counts with its first piece; a walk begins at a node.
     edges = [int(parts.edge[p]) for p in pieces if parts.source[p] < graph.num_nodes]
-    track = lay_out(graph, parts, pieces, start)
+    track = place_pieces(graph, parts, pieces, start)
     failed_s = None
     if status != "followed":
         frames, failed_s = _until_lost(track, curve, frames)
@@ -164,7 +168,8 @@ def finish(
     walk = make_walk(graph, edges[:kept])
     motion = sample_walk(graph, walk, np.arange(frames + 1) / graph.frame_rate, start=start)
     track = track_of(graph, motion, track.blend[:frames])
-    slide, share = foot_slide(graph.skeleton, motion, walk_plants(graph, edges[:kept], frames + 1))
+    plants = walk_plants(graph, prepared.plants, edges[:kept], frames + 1)
+    slide, share = foot_slide(graph.skeleton, motion, plants)
     return PathResult(
         status=status,
         walk=walk,
@@ -172,6 +177,7 @@ def finish(
         frames=frames,
         seconds=frames / graph.frame_rate,
         motion=motion,
+        plants=plants,
         track=track,
         error=float(track.squares(curve).sum()),
         distance=curve.nearest(track.places, track.arc)[0],
@@ -205,7 +211,7 @@ def track_of(graph: MotionGraph, motion: Motion, blend: Float[np.ndarray, " F"])
     steps = np.linalg.norm(np.diff(body[:, 1:], axis=0), axis=1)
     return Track(
         places=body[1:, 1:],
-        arc=np.cumsum(np.maximum(steps, CREEP_M_S / graph.frame_rate)),
+        arc=np.cumsum(np.maximum(steps, MIN_PROGRESS_M_S / graph.frame_rate)),
         speed=steps * graph.frame_rate,
         heading=body[1:, 0],
         blend=blend,

@@ -10,40 +10,40 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from jaxtyping import Float
 
 from mgjax.core.errors import ConfigError, PathError
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.config import WIDEST, PathConfig, validate_path_config
 from mgjax.hybrid.paths.beam import Beam, run_beam
 from mgjax.hybrid.paths.branch_and_bound import branch_and_bound
 from mgjax.hybrid.paths.curve import Curve, make_curve
-from mgjax.hybrid.paths.frontier import UNBOUNDED, Front, Leaf, Search, join
-from mgjax.hybrid.paths.kernel import make_request, prepare
-from mgjax.hybrid.paths.macro_edges import Strides, stride_tables
-from mgjax.hybrid.paths.result import PathResult, finish, lay_out
+from mgjax.hybrid.paths.frontier import UNBOUNDED, Frontier, Search, Terminal, concatenate
+from mgjax.hybrid.paths.kernel import compile_kernels, make_request
+from mgjax.hybrid.paths.result import PathResult, measure_walk, place_pieces
 from mgjax.hybrid.paths.sketch import Sketch
+from mgjax.hybrid.prepared import Prepared, prepared_for
 
-WIDEST = 4096
 SLOWEST_M_S = 0.1
 """A walk may take as long as at this speed, and 10 s more."""
 
-Place = Float[np.ndarray, "3"]
+PlanarFrame: TypeAlias = Float[np.ndarray, "3"]
 
 
 @dataclass(kw_only=True)
-class _Task:
-    """A request with what does not change while it is searched."""
+class _Run:
+    """One request with its state, its times and its counts."""
 
     graph: MotionGraph
-    strides: Strides
+    prepared: Prepared
     sketch: Sketch
     curve: Curve
     config: PathConfig
     search: Search
-    start: Place
+    start: PlanarFrame
     deadline: float
     begun: float
     prepare_s: float
@@ -62,7 +62,8 @@ def follow(
     *,
     config: PathConfig | None = None,
     node: int | None = None,
-    start: Place | None = None,
+    start: PlanarFrame | None = None,
+    prepared: Prepared | None = None,
 ) -> PathResult:
     """The walk along a sketched path.
 
@@ -73,6 +74,8 @@ def follow(
         node: where in the graph the walk begins; None: wherever is best.
         start: planar frame of the body at the beginning; None: on the first point of the path,
             facing along it.
+        prepared: of :func:`mgjax.hybrid.prepare`; None: computed once for each graph, and kept for
+            the graphs used last.
 
     Raises:
         ConfigError: a setting out of range.
@@ -80,26 +83,25 @@ def follow(
         GraphError: no walk of the graph gets anywhere.
     """
     config = config or PathConfig()
-    _validate(config, graph, node)
+    validate_path_config(config)
+    if node is not None and not 0 <= node < graph.num_nodes:
+        raise ConfigError(got=f"node {node}", expected=f"0 … {graph.num_nodes - 1}")
     entered = time.perf_counter()
     curve = make_curve(sketch)
     place = curve.start() if start is None else np.asarray(start, dtype=np.float64)
     _check_start(sketch, curve, place, config)
-    strides = stride_tables(graph)
+    prepared = prepared_for(graph, prepared=prepared)
     request = make_request(curve, sketch, config)
-    prepare(strides, request)
+    compile_kernels(prepared.macro_edges, request)
     begun = time.perf_counter()
     limit = config.time_limit_s or math.inf
-    task = _Task(
+    run = _Run(
         graph=graph,
-        strides=strides,
+        prepared=prepared,
         sketch=sketch,
         curve=curve,
         config=config,
-        search=Search(
-            strides=strides,
-            request=request,
-        ),
+        search=Search(macro_edges=prepared.macro_edges, request=request),
         start=place,
         deadline=begun + limit,
         begun=begun,
@@ -108,36 +110,14 @@ def follow(
     stops = np.arange(graph.num_nodes) if node is None else np.array([node])
     state = np.zeros((len(stops), 5), dtype=np.float32)
     state[:, :3] = place
-    begin = task.search.begin(state, stops)
+    begin = run.search.begin(state, stops)
     if config.method == "exact":
-        return _horizons(task, begin)
-    leaf, interrupted = _whole(task, begin)
-    return _finish(task, begin, leaf, interrupted)
+        return _receding_horizon(run, begin)
+    terminal, interrupted = _best_of_beams(run, begin)
+    return _finish(run, begin, terminal, interrupted)
 
 
-def _validate(config: PathConfig, graph: MotionGraph, node: int | None) -> None:
-    checks = {
-        "method": config.method in ("exact", "beam"),
-        "horizon_s": 1.0 <= config.horizon_s <= 60,
-        "keep_s": 0.1 <= config.keep_s <= config.horizon_s,
-        "near_m": 0.05 <= config.near_m <= 100,
-        "beam_width": 1 <= config.beam_width <= WIDEST,
-        "expansions": 1 <= config.expansions <= 10**8,
-        "time_limit_s": 0 <= config.time_limit_s < math.inf,
-        "blend_weight": 0 <= config.blend_weight < math.inf,
-        "speed_weight": 0 <= config.speed_weight < math.inf,
-        "end_weight": 0 <= config.end_weight < math.inf,
-        "end_radius_m": 0 <= config.end_radius_m < math.inf,
-        "margin_m": 0 <= config.margin_m <= 10,
-    }
-    for name, ok in checks.items():
-        if not ok:
-            raise ConfigError(f"{name} = {getattr(config, name)!r} is out of range")
-    if node is not None and not 0 <= node < graph.num_nodes:
-        raise ConfigError(f"got node {node}, expected 0 … {graph.num_nodes - 1}")
-
-
-def _check_start(sketch: Sketch, curve: Curve, start: Place, config: PathConfig) -> None:
+def _check_start(sketch: Sketch, curve: Curve, start: PlanarFrame, config: PathConfig) -> None:
     off = float(np.linalg.norm(start[1:] - curve.points[0]))
     if not off <= config.near_m:
         raise PathError(
@@ -151,72 +131,70 @@ def _check_start(sketch: Sketch, curve: Curve, start: Place, config: PathConfig)
             )
 
 
-def _whole(task: _Task, begin: Front) -> tuple[Leaf, bool]:
+def _best_of_beams(run: _Run, begin: Frontier) -> tuple[Terminal, bool]:
     """The best walk of beams over the whole path, and whether the time was over.
 
     A beam that finds no way is followed by one four times as wide. With a time limit they go on
     after the first complete walk, as long as each finds a better one.
     """
-    best: Leaf | None = None
-    farthest: Leaf | None = None
-    arc, width = -1.0, task.config.beam_width
+    best: Terminal | None = None
+    farthest: Terminal | None = None
+    arc, width = -1.0, run.config.beam_width
     while True:
-        found = run_beam(
-            task.search, begin, width=width, horizon=task.longest, deadline=task.deadline
-        )
-        leaf = found.best if found.best is not None and found.best.complete else None
-        gained = leaf is not None and (best is None or leaf.cost < best.cost)
+        beam = run_beam(run.search, begin, width=width, horizon=run.longest, deadline=run.deadline)
+        terminal = beam.best if beam.best is not None and beam.best.complete else None
+        gained = terminal is not None and (best is None or terminal.cost < best.cost)
         if gained:
-            best = leaf
-        if found.arc > arc:
-            farthest, arc = found.farthest, found.arc
-        enough = best is not None and not (gained and math.isfinite(task.deadline))
-        if found.interrupted or enough or width >= WIDEST:
+            best = terminal
+        if beam.arc > arc:
+            farthest, arc = beam.farthest, beam.arc
+        enough = best is not None and not (gained and math.isfinite(run.deadline))
+        if beam.interrupted or enough or width >= WIDEST:
             chosen = best or farthest
             assert chosen is not None  # every beam has a farthest walk
-            return chosen, found.interrupted
+            return chosen, beam.interrupted
         width = min(4 * width, WIDEST)
 
 
-def _finish(task: _Task, begin: Front, leaf: Leaf, interrupted: bool) -> PathResult:
-    _, pieces = task.search.chain(leaf.record, leaf.stride)
-    parts = task.strides.pieces
+def _finish(run: _Run, begin: Frontier, terminal: Terminal, interrupted: bool) -> PathResult:
+    _, pieces = run.search.chain(terminal.record, terminal.macro_edge)
+    parts = run.prepared.macro_edges.pieces
     if not pieces:  # lost at the first step: one frame of it
         pieces = [int(parts.out[parts.out_first[begin.stop[0]]])]
-    return finish(
-        task.graph,
-        task.strides,
-        task.curve,
-        task.sketch,
+    return measure_walk(
+        run.graph,
+        run.prepared,
+        run.curve,
+        run.sketch,
         pieces=pieces,
-        frames=max(leaf.frames, 1),
-        start=task.start,
-        status="followed" if leaf.complete else "time_limit" if interrupted else "lost",
+        frames=max(terminal.frames, 1),
+        start=run.start,
+        status="followed" if terminal.complete else "time_limit" if interrupted else "lost",
         interrupted=interrupted,
-        prepare_s=task.prepare_s,
-        search_s=time.perf_counter() - task.begun,
-        expanded=task.search.expanded,
-        pruned=task.search.pruned,
-        windows=task.windows,
-        proven=task.proven,
+        prepare_s=run.prepare_s,
+        search_s=time.perf_counter() - run.begun,
+        expanded=run.search.expanded,
+        pruned=run.search.pruned,
+        windows=run.windows,
+        proven=run.proven,
     )
 
 
-def _horizons(task: _Task, begin: Front) -> PathResult:
+def _receding_horizon(run: _Run, begin: Frontier) -> PathResult:
     """Horizon after horizon; each is searched from where the last one's first part ends.
 
     Where every walk strays within a horizon, beams over the whole path look for another way.
     """
-    search, config, rate = task.search, task.config, task.graph.frame_rate
+    search, config, rate = run.search, run.config, run.graph.frame_rate
     keep = round(config.keep_s * rate)
     everywhere = begin
     pieces: list[int] = []
     ahead: list[int] = []
     while True:
-        played = int(task.strides.pieces.frames[pieces].sum())
-        end = min(played + round(config.horizon_s * rate), task.longest)
-        fronts = join([begin, _state_after(task, pieces + ahead)]) if ahead else begin
-        first = _widening(task, fronts, end)
+        played = int(run.prepared.macro_edges.pieces.frames[pieces].sum())
+        end = min(played + round(config.horizon_s * rate), run.longest)
+        frontiers = concatenate([begin, _state_after(run, pieces + ahead)]) if ahead else begin
+        first = _widening(run, frontiers, end)
         if not pieces:
             begin = _chosen_start(search, begin, first.best or first.farthest)
         best, proven, over = branch_and_bound(
@@ -225,44 +203,44 @@ def _horizons(task: _Task, begin: Front) -> PathResult:
             horizon=end,
             best=first.best,
             expansions=config.expansions,
-            deadline=task.deadline,
+            deadline=run.deadline,
         )
-        task.windows += 1
-        task.proven += proven
-        leaf = best or first.farthest
-        if over or leaf.complete or leaf.frames >= task.longest:
-            return _finish(task, everywhere, leaf, over)
-        if leaf.frames < end:
-            other, over = _whole(task, everywhere)
-            leaf = other if other.complete or other.frames > leaf.frames else leaf
-            return _finish(task, everywhere, leaf, over)
-        _, found = search.chain(leaf.record, leaf.stride)
-        total = np.cumsum(task.strides.pieces.frames[found])
+        run.windows += 1
+        run.proven += proven
+        terminal = best or first.farthest
+        if over or terminal.complete or terminal.frames >= run.longest:
+            return _finish(run, everywhere, terminal, over)
+        if terminal.frames < end:
+            other, over = _best_of_beams(run, everywhere)
+            terminal = other if other.complete or other.frames > terminal.frames else terminal
+            return _finish(run, everywhere, terminal, over)
+        _, walk = search.chain(terminal.record, terminal.macro_edge)
+        total = np.cumsum(run.prepared.macro_edges.pieces.frames[walk])
         kept = int(np.searchsorted(total, played + keep)) + 1
-        pieces, ahead = found[:kept], found[kept:]
-        begin = _state_after(task, pieces)
+        pieces, ahead = walk[:kept], walk[kept:]
+        begin = _state_after(run, pieces)
 
 
-def _chosen_start(search: Search, begin: Front, leaf: Leaf) -> Front:
-    """Of many places to begin at, the one the beam chose."""
-    record, _ = search.chain(leaf.record, leaf.stride)
+def _chosen_start(search: Search, begin: Frontier, terminal: Terminal) -> Frontier:
+    """The one place to begin at that the beam chose."""
+    record, _ = search.chain(terminal.record, terminal.macro_edge)
     return begin.pick(begin.record == record)
 
 
-def _widening(task: _Task, begin: Front, horizon: int) -> Beam:
+def _widening(run: _Run, begin: Frontier, horizon: int) -> Beam:
     """A beam up to the horizon, four times as wide again while it finds no way."""
-    width = task.config.beam_width
+    width = run.config.beam_width
     while True:
-        found = run_beam(task.search, begin, width=width, horizon=horizon, deadline=task.deadline)
-        if found.best is not None or found.interrupted or width >= WIDEST:
-            return found
+        beam = run_beam(run.search, begin, width=width, horizon=horizon, deadline=run.deadline)
+        if beam.best is not None or beam.interrupted or width >= WIDEST:
+            return beam
         width = min(4 * width, WIDEST)
 
 
-def _state_after(task: _Task, played: list[int]) -> Front:
+def _state_after(run: _Run, played: list[int]) -> Frontier:
     """A walk that has played these pieces and is now where the last one ends."""
-    track = lay_out(task.graph, task.strides.pieces, played, task.start)
-    cost = track.costs(task.curve, task.config).sum()
+    track = place_pieces(run.graph, run.prepared.macro_edges.pieces, played, run.start)
+    cost = track.costs(run.curve, run.config).sum()
     state = np.array([*track.end, track.arc[-1], cost], dtype=np.float32)
-    stop = int(task.strides.pieces.target[played[-1]])
-    return task.search.begin_with(state, stop, played)
+    stop = int(run.prepared.macro_edges.pieces.target[played[-1]])
+    return run.search.begin_with(state, stop, played)

@@ -9,15 +9,16 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core import planar, quaternion
+from mgjax.core.easing import plateau
 from mgjax.core.kinematics import forward, planar_frames
 from mgjax.core.motion import Motion
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.body.limb_limits import reach_limits
 from mgjax.hybrid.body.pelvis import lower_pelvis
-from mgjax.hybrid.body.rig import follow_targets, make_rig, whole_pose
+from mgjax.hybrid.body.rig import full_pose, track_targets
 from mgjax.hybrid.config import ReachConfig
 from mgjax.hybrid.ik.limbs import LIMBS, Limb, find_limb
-from mgjax.hybrid.reaching.key_pose import Key
+from mgjax.hybrid.prepared import ReachBody
+from mgjax.hybrid.reaching.key_pose import KeyPose
 from mgjax.hybrid.reaching.targets import Target
 
 _SETTLE_S = 0.15
@@ -25,7 +26,7 @@ _SETTLE_S = 0.15
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Span:
+class Hold:
     """Targets that are held together, in frames of the motion.
 
     Attributes:
@@ -38,38 +39,35 @@ class Span:
     first: int
     last: int
     targets: tuple[Target, ...]
-    key: Key
+    key: KeyPose
     key_frame: int
 
 
-def ramp(share: Float[np.ndarray, "*s"]) -> Float[np.ndarray, "*s"]:
-    """3 s² − 2 s³ between 0 and 1: a weight whose slope is 0 at both ends."""
-    inside = np.clip(share, 0.0, 1.0)
-    return inside * inside * (3 - 2 * inside)
-
-
-def weight(span: Span, frames: int, blend: tuple[int, int]) -> Float[np.ndarray, " F"]:
+def hold_weight(hold: Hold, frames: int, blend: tuple[int, int]) -> Float[np.ndarray, " F"]:
     """1 over the hold, rising before and falling after it over so many frames."""
-    number = np.arange(frames)
-    rise = ramp((number - span.first + blend[0]) / blend[0])
-    return np.minimum(rise, ramp((span.last + blend[1] - number) / blend[1]))
+    return plateau(np.arange(frames), hold.first, hold.last, *blend)
 
 
-def groups(spans: Sequence[Span], blend: int) -> list[list[Span]]:
-    """Spans whose blends overlap belong together."""
-    found: list[list[Span]] = []
-    for span in sorted(spans, key=lambda s: s.first):
-        if found and span.first - blend <= max(s.last for s in found[-1]) + blend:
-            found[-1].append(span)
+def overlapping_groups(holds: Sequence[Hold], blend: int) -> list[list[Hold]]:
+    """Holds in groups, those together whose blends overlap; sorted by time."""
+    groups: list[list[Hold]] = []
+    for hold in sorted(holds, key=lambda s: s.first):
+        if groups and hold.first - blend <= max(s.last for s in groups[-1]) + blend:
+            groups[-1].append(hold)
         else:
-            found.append([span])
-    return found
+            groups.append([hold])
+    return groups
 
 
 def blend_group(
-    graph: MotionGraph, motion: Motion, group: list[Span], blend: int, config: ReachConfig
+    graph: MotionGraph,
+    body: ReachBody,
+    motion: Motion,
+    group: list[Hold],
+    blend: int,
+    config: ReachConfig,
 ) -> Motion:
-    """A motion with the reaches of one group of spans.
+    """A motion with the reaches of one group of holds.
 
     All limbs of the group are solved together. In each frame a limb's goal leads from where the
     walk has it to its target, and the walk's pose gives way to the solved one by a weight that is 1
@@ -77,35 +75,35 @@ def blend_group(
     """
     first = max(group[0].first - blend, 0)
     last = min(max(s.last for s in group) + blend, motion.num_frames - 1)
-    weights = np.stack([weight(s, motion.num_frames, _room(s, group, blend)) for s in group])
-    whole = 1 - np.prod(1 - weights, axis=0)
+    weights = np.stack([hold_weight(s, motion.num_frames, _room(s, group, blend)) for s in group])
+    total = 1 - np.prod(1 - weights, axis=0)
     depth = np.array([s.key.drop_m for s in group])
     drop = (weights * depth[:, None]).sum(axis=0) / np.maximum(1.0, weights.sum(axis=0))
-    lowered = lower_pelvis(graph.skeleton, motion, drop)
+    lowered = lower_pelvis(body.skeleton, motion, drop)
     names = {limb.name for s in group for limb in s.key.rig.limbs}
-    limbs = tuple(find_limb(graph.skeleton, name) for name in LIMBS if name in names)
-    rig = make_rig(graph.skeleton, limbs, reach_limits(graph, limbs) if config.limits else None)
+    limbs = tuple(find_limb(body.skeleton, name) for name in LIMBS if name in names)
+    rig = body.rig(limbs, config)
     rows = np.arange(first, last + 1)
     root = np.asarray(lowered.root_translation)[rows]
     local = np.asarray(lowered.local_rotations)[rows]
-    share = (weights / np.maximum(whole, 1e-9))[:, rows]
+    share = (weights / np.maximum(total, 1e-9))[:, rows]
     goals = _goals(graph, rig.limbs, root, local, group, share, rows)
     key = group[0].key_frame - first
     pose = local[key][list(rig.joints)].copy()
     for joint, rotation in zip(group[0].key.rig.joints, group[0].key.pose, strict=True):
         pose[rig.joints.index(joint)] = rotation
-    solved = whole_pose(rig, root, local, follow_targets(rig, root, local, goals, key, pose))
+    solved = full_pose(rig, root, local, track_targets(rig, root, local, goals, key, pose))
     mixed = np.asarray(lowered.local_rotations).copy()
-    mixed[rows] = quaternion.slerp(local, solved, whole[rows, None].astype(np.float32))
+    mixed[rows] = quaternion.slerp(local, solved, total[rows, None].astype(np.float32))
     return replace(lowered, local_rotations=mixed)
 
 
-def _room(span: Span, group: list[Span], blend: int) -> tuple[int, int]:
-    """Blend frames before and after a span; neighbours that move the same limb leave less room."""
-    own = {limb.name for limb in span.key.rig.limbs}
-    others = [s for s in group if s is not span and own & {x.name for x in s.key.rig.limbs}]
-    before = [span.first - s.last for s in others if s.last < span.first]
-    after = [s.first - span.last for s in others if s.first > span.last]
+def _room(hold: Hold, group: list[Hold], blend: int) -> tuple[int, int]:
+    """Blend frames before and after a hold; neighbours that move the same limb leave less room."""
+    own = {limb.name for limb in hold.key.rig.limbs}
+    others = [s for s in group if s is not hold and own & {x.name for x in s.key.rig.limbs}]
+    before = [hold.first - s.last for s in others if s.last < hold.first]
+    after = [s.first - hold.last for s in others if s.first > hold.last]
     return max(min([blend, *before]), 1), max(min([blend, *after]), 1)
 
 
@@ -114,7 +112,7 @@ def _goals(
     limbs: tuple[Limb, ...],
     root: np.ndarray,
     local: np.ndarray,
-    group: list[Span],
+    group: list[Hold],
     share: Float[np.ndarray, "S F"],
     rows: np.ndarray,
 ) -> Float[np.ndarray, "F E 3"]:
@@ -124,17 +122,19 @@ def _goals(
     walked = positions[:, [limb.joints[-1] for limb in limbs]]
     goals = walked.copy()
     names = [limb.name for limb in limbs]
-    for number, span in enumerate(group):
-        for target in span.targets:
+    for number, hold in enumerate(group):
+        for target in hold.targets:
             column = names.index(target.limb)
-            way = _carried(target, span, planes, rows, graph.frame_rate) - walked[:, column]
-            goals[:, column] += share[number][:, None] * way
+            displacement = (
+                _carried(target, hold, planes, rows, graph.frame_rate) - walked[:, column]
+            )
+            goals[:, column] += share[number][:, None] * displacement
     return goals
 
 
 def _carried(
     target: Target,
-    span: Span,
+    hold: Hold,
     planes: Float[np.ndarray, "F 3"],
     rows: np.ndarray,
     frame_rate: float,
@@ -147,16 +147,16 @@ def _carried(
     """
     own = np.asarray(
         planar.apply(
-            np.asarray(planar.inverse(planes)), target.at((rows - span.first) / frame_rate)
+            np.asarray(planar.inverse(planes)), target.at((rows - hold.first) / frame_rate)
         )
     )
-    for edge, sign in ((span.first, -1), (span.last, 1)):
+    for edge, sign in ((hold.first, -1), (hold.last, 1)):
         at = edge - int(rows[0])
         low, high = max(at - 1, 0), min(at + 1, len(rows) - 1)
-        velocity = (own[high] - own[low]) * frame_rate / (high - low)
+        velocity = (own[high] - own[low]) * frame_rate / max(high - low, 1)
         seconds = np.maximum(sign * (rows - edge), 0) / frame_rate
-        way = sign * _SETTLE_S * (1 - np.exp(-seconds / _SETTLE_S))
-        own = np.where((seconds > 0)[:, None], own[at] + way[:, None] * velocity, own)
+        displacement = sign * _SETTLE_S * (1 - np.exp(-seconds / _SETTLE_S))
+        own = np.where((seconds > 0)[:, None], own[at] + displacement[:, None] * velocity, own)
     return np.asarray(planar.apply(planes, own))
 
 
@@ -174,6 +174,9 @@ def fastest_turn(motion: Motion, plain: Motion) -> float:
 
 
 def fast_frames(motion: Motion, plain: Motion) -> Float[np.ndarray, " F"]:
-    """That fastest turn from each frame to the next, degrees/s; 0 where no joint turns faster."""
+    """Fastest turn of a joint from each frame to the next, degrees/s.
+
+    Only joints count that turn more than 5 % faster than in the plain motion; 0 where none does.
+    """
     turned, before = turn_speeds(motion), turn_speeds(plain)
     return np.where(turned > 1.05 * before + 1.0, turned, 0.0).max(axis=1)

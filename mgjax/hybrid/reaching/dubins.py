@@ -43,21 +43,21 @@ def _parts(
     begin: np.ndarray, end: np.ndarray, first: float, last: float, radius: float
 ) -> tuple[float, float, float] | None:
     """Angle of the first turn, length of the line, angle of the last turn."""
-    way = _centre(end, last, radius) - _centre(begin, first, radius)
-    apart = float(np.hypot(*way))
-    course = math.atan2(way[0], way[1]) if apart > 1e-9 else begin[0]
+    between = _centre(end, last, radius) - _centre(begin, first, radius)
+    distance = float(np.hypot(*between))
+    bearing = math.atan2(between[0], between[1]) if distance > 1e-9 else begin[0]
     if first == last:
-        line, heading = apart, course
+        line, heading = distance, bearing
     else:
-        if apart < 2 * radius:
+        if distance < 2 * radius:
             return None
-        line = math.sqrt(apart * apart - 4 * radius * radius)
+        line = math.sqrt(distance * distance - 4 * radius * radius)
         # The line crosses from one circle to the other.
-        heading = course + first * math.asin(2 * radius / apart)
-    whole = 2 * math.pi
-    turn_first = (first * (heading - begin[0])) % whole
-    turn_last = (last * (end[0] - heading)) % whole
-    turns = [0.0 if whole - t < 1e-6 else t for t in (turn_first, turn_last)]
+        heading = bearing + first * math.asin(2 * radius / distance)
+    turn = 2 * math.pi
+    turn_first = (first * (heading - begin[0])) % turn
+    turn_last = (last * (end[0] - heading)) % turn
+    turns = [0.0 if turn - t < 1e-6 else t for t in (turn_first, turn_last)]
     return turns[0], line, turns[1]
 
 

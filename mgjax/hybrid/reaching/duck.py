@@ -9,16 +9,15 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core import quaternion
+from mgjax.core.easing import plateau
 from mgjax.core.kinematics import forward, global_positions, planar_frames
 from mgjax.core.motion import Motion
-from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.body.capsules import body_of, segment_distance, to_bar
-from mgjax.hybrid.body.limb_limits import reach_limits
+from mgjax.hybrid.body.capsules import segment_distance, to_bar
 from mgjax.hybrid.body.pelvis import lower_pelvis
-from mgjax.hybrid.body.rig import follow_targets, make_rig, whole_pose
+from mgjax.hybrid.body.rig import full_pose, track_targets
 from mgjax.hybrid.config import ReachConfig
-from mgjax.hybrid.ik.limbs import find_limb
-from mgjax.hybrid.reaching.blend import ramp
+from mgjax.hybrid.ik.limbs import HEAD, find_limb
+from mgjax.hybrid.prepared import ReachBody
 from mgjax.hybrid.reaching.targets import Bar
 
 CLEAR_M = 0.02
@@ -45,33 +44,34 @@ class Duck:
     frames: tuple[int, int] | None
 
 
-def clearance(graph: MotionGraph, motion: Motion, bar: Bar) -> Float[np.ndarray, " F"]:
+def bar_clearance(body: ReachBody, motion: Motion, bar: Bar) -> Float[np.ndarray, " F"]:
     """Distance of the whole body to a bar in each frame, m; negative where it is hit."""
-    positions = np.asarray(global_positions(graph.skeleton, motion), np.float64)
-    return to_bar(body_of(graph.skeleton), positions, bar.ends, bar.radius)
+    positions = np.asarray(global_positions(body.skeleton, motion), np.float64)
+    return to_bar(body.capsules, positions, bar.ends, bar.radius)
 
 
-def duck(graph: MotionGraph, motion: Motion, bar: Bar, blend: int, config: ReachConfig) -> Duck:
+def duck(body: ReachBody, motion: Motion, bar: Bar, blend: int, config: ReachConfig) -> Duck:
     """The least duck with which the whole body passes under a bar, or the deepest one.
 
     The head's target is its place turned forward about the hips, which lower at the same time with
     the feet fixed; depth by depth, until nothing of the body comes nearer to the bar than
     :data:`CLEAR_M`. Where no depth does, the one that leaves most is kept.
     """
-    plain = clearance(graph, motion, bar)
+    plain = bar_clearance(body, motion, bar)
     if plain.min() >= CLEAR_M:
         return Duck(motion=motion, depth=0.0, frames=None)
     passes = _passes(motion, bar, plain, blend)
-    weight = np.max([_weight(motion.num_frames, *one, blend) for one in passes], axis=0)
+    number = np.arange(motion.num_frames)
+    weight = np.max([plateau(number, *ends, blend, blend) for ends in passes], axis=0)
     first, last = passes[0][0], passes[-1][1]
     middle = sum(passes[0]) // 2
     best: tuple[float, Duck] | None = None
     for depth in np.arange(1, _DEPTHS + 1) / _DEPTHS:
-        moved = _ducked(graph, motion, weight, float(depth), middle, config)
-        least = float(clearance(graph, moved, bar).min())
-        found = Duck(motion=moved, depth=float(depth), frames=(first, last))
+        moved = _ducked(body, motion, weight, float(depth), middle, config)
+        least = float(bar_clearance(body, moved, bar).min())
+        trial = Duck(motion=moved, depth=float(depth), frames=(first, last))
         if best is None or least > best[0]:
-            best = least, found
+            best = least, trial
         if least >= CLEAR_M:
             break
     assert best is not None
@@ -84,37 +84,30 @@ def _passes(
     """First and last frame of each time that the body is under the bar, where it would be hit."""
     root = np.asarray(motion.root_translation, np.float64) * [1, 0, 1]
     floor = np.broadcast_to(bar.ends[0] * [1, 0, 1], root.shape)
-    way = np.broadcast_to((bar.ends[1] - bar.ends[0]) * [1, 0, 1] + [1e-6, 0, 0], root.shape)
-    apart = segment_distance(root, root + np.array([0.0, 1e-3, 0.0]), floor, way)
-    low = np.flatnonzero((apart < _NEAR_M) | (plain < CLEAR_M))
-    cuts = np.flatnonzero(np.diff(low) > 2 * blend) + 1
+    axis = np.broadcast_to((bar.ends[1] - bar.ends[0]) * [1, 0, 1] + [1e-6, 0, 0], root.shape)
+    distance = segment_distance(root, root + np.array([0.0, 1e-3, 0.0]), floor, axis)
+    low = np.flatnonzero((distance < _NEAR_M) | (plain < CLEAR_M))
+    cuts = np.flatnonzero(np.diff(low) > max(2 * blend, 1)) + 1
     runs = [(int(run[0]), int(run[-1])) for run in np.split(low, cuts)]
     return [(a, b) for a, b in runs if plain[a : b + 1].min() < CLEAR_M]
 
 
-def _weight(frames: int, first: int, last: int, blend: int) -> Float[np.ndarray, " F"]:
-    number = np.arange(frames)
-    rise = ramp((number - first + blend) / blend)
-    return np.minimum(rise, ramp((last + blend - number) / blend))
-
-
 def _ducked(
-    graph: MotionGraph,
+    body: ReachBody,
     motion: Motion,
     weight: Float[np.ndarray, " F"],
     depth: float,
     middle: int,
     config: ReachConfig,
 ) -> Motion:
-    lowered = lower_pelvis(graph.skeleton, motion, depth * config.drop_m * weight)
-    limb = find_limb(graph.skeleton, "head")
-    limits = reach_limits(graph, (limb,)) if config.limits else None
-    rig = make_rig(graph.skeleton, (limb,), limits)
+    lowered = lower_pelvis(body.skeleton, motion, depth * config.drop_m * weight)
+    limb = find_limb(body.skeleton, HEAD.name)
+    rig = body.rig((limb,), config)
     rows = np.flatnonzero(weight > 0)
     root = np.asarray(lowered.root_translation)[rows]
     local = np.asarray(lowered.local_rotations)[rows]
-    positions = np.asarray(forward(graph.skeleton, root, local)[0], np.float64)
-    heading = np.asarray(planar_frames(graph.skeleton, positions))[:, 0]
+    positions = np.asarray(forward(body.skeleton, root, local)[0], np.float64)
+    heading = np.asarray(planar_frames(body.skeleton, positions))[:, 0]
     base = positions[:, limb.joints[0]]
     up = positions[:, limb.joints[-1]] - base
     left = np.stack([np.cos(heading), 0 * heading, -np.sin(heading)], axis=-1)
@@ -122,10 +115,10 @@ def _ducked(
     turned = quaternion.rotate(quaternion.from_axis_angle(left, depth * _LEAN + 0 * heading), up)
     goals = base + (1 - 0.08 * depth) * turned
     key = int(np.searchsorted(rows, middle))
-    found = follow_targets(
+    poses = track_targets(
         rig, root, local, np.asarray(goals)[:, None], key, local[key][list(rig.joints)]
     )
-    solved = whole_pose(rig, root, local, found)
+    solved = full_pose(rig, root, local, poses)
     mixed = np.asarray(lowered.local_rotations).copy()
     mixed[rows] = quaternion.slerp(local, solved, weight[rows, None].astype(np.float32))
     return replace(lowered, local_rotations=mixed)

@@ -9,14 +9,13 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core.errors import GraphError, PathError
-from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.config import PathConfig, ReachConfig
 from mgjax.hybrid.paths.curve import Curve
 from mgjax.hybrid.paths.search import follow
 from mgjax.hybrid.paths.sketch import make_sketch
 from mgjax.hybrid.reaching.dubins import dubins
 from mgjax.hybrid.reaching.placements import AHEAD_M
-from mgjax.hybrid.reaching.sampled_walk import Course, make_course
+from mgjax.hybrid.reaching.sampled_walk import SampledWalk
 
 _HEADINGS = 12
 """Directions from which a target is approached."""
@@ -33,18 +32,18 @@ class Extension:
     """One way on towards a target.
 
     Attributes:
-        course: the walk up to the target.
+        sampled: the walk up to the target.
         branch: the frame at which it leaves the walk before.
         length_m: of the way that was searched for.
     """
 
-    course: Course
+    sampled: SampledWalk
     branch: int
     length_m: float
 
 
 def extensions(
-    course: Course,
+    sampled: SampledWalk,
     frame: int,
     target: Float[np.ndarray, "3"],
     radius: float,
@@ -52,7 +51,7 @@ def extensions(
     config: ReachConfig,
     path: PathConfig,
 ) -> list[Extension]:
-    """Walks that leave a course at a frame and lead to where a target is in reach.
+    """Walks that leave another at a frame and lead to where a target is in reach.
 
     The paper moves the root to P₁ + H (T − P₁)/D and lets the search branch there. Here the graph
     search follows ways of two turns and a straight line that end with the target before the body,
@@ -60,69 +59,73 @@ def extensions(
     far ahead.
 
     Args:
-        course: what is walked so far.
+        sampled: what is walked so far.
         frame: where to leave it, at the first node from there on.
         target: place, m.
         radius: within which it is in reach on the floor, m.
         side: +1 for the left hand, −1 for the right, 0 for the head.
         config, path: settings.
     """
-    number = course.edge_at(frame) + 1 if frame > 0 else 0
-    begin = course.plane_after(number)
+    number = sampled.edge_at(frame) + 1 if frame > 0 else 0
+    begin = sampled.plane_after(number)
     ahead = min(AHEAD_M, 0.7 * radius)
-    ways: list[tuple[float, np.ndarray]] = []
+    lines: list[tuple[float, np.ndarray]] = []
     for heading in 2 * math.pi * np.arange(_HEADINGS) / _HEADINGS + begin[0]:
         forward = np.array([math.sin(heading), math.cos(heading)])
         left = np.array([forward[1], -forward[0]])
         stand = target[::2] - ahead * forward - 0.15 * side * left
         line = dubins(begin, np.array([heading, *stand]), config.radius_m, _STEP_M)
-        ways.append((float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()), line))
-    ways.sort(key=lambda way: way[0])
-    found = []
-    for length, line in ways[:_TRIED]:
-        edges = _walk(course.graph, course.node_after(number), begin, line, path)
+        lines.append((float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()), line))
+    lines.sort(key=lambda pair: pair[0])
+    walks = []
+    for length, line in lines[:_TRIED]:
+        edges = _walk(sampled, sampled.node_after(number), begin, line, path)
         if edges is not None:
-            kept = course.edges[:number] + edges
-            frames = int(course.graph.edge_frames[list(kept)].sum())
-            longer = make_course(course.graph, kept, frames, course.start)
-            found.append(Extension(course=longer, branch=course.frame_of(number), length_m=length))
-    return found
+            kept = sampled.edges[:number] + edges
+            frames = int(sampled.graph.edge_frames[list(kept)].sum())
+            longer = sampled.with_edges(kept, frames)
+            walks.append(
+                Extension(sampled=longer, branch=sampled.frame_of(number), length_m=length)
+            )
+    return walks
 
 
-def rejoin(course: Course, target: Float[np.ndarray, "3"], curve: Curve, frame: int,
-           config: ReachConfig, path: PathConfig) -> Course:  # fmt: skip
-    """A course that goes on from a frame along the rest of the path, as far as there is one."""
+def rejoin(sampled: SampledWalk, target: Float[np.ndarray, "3"], curve: Curve, frame: int,
+           config: ReachConfig, path: PathConfig) -> SampledWalk:  # fmt: skip
+    """The walk that goes on from a frame along the rest of the path, as far as there is one."""
     away = np.linalg.norm(curve.points - target[::2], axis=1)
     arc = float(curve.arc[int(np.argmin(away))]) + _REJOIN_M
     if arc > curve.length - 0.5:
-        return course
-    number = course.edge_at(frame) + 1
-    begin = course.plane_after(number)
-    there, after = curve.at(np.array(arc)), curve.at(np.array(arc + 0.1))
-    heading = math.atan2(*(after - there))
-    line = dubins(begin, np.array([heading, *there]), config.radius_m, _STEP_M)
+        return sampled
+    number = sampled.edge_at(frame) + 1
+    begin = sampled.plane_after(number)
+    meets, after = curve.at(np.array(arc)), curve.at(np.array(arc + 0.1))
+    heading = math.atan2(*(after - meets))
+    line = dubins(begin, np.array([heading, *meets]), config.radius_m, _STEP_M)
     rest = curve.at(np.arange(arc + _STEP_M, curve.length, _STEP_M))
     points = np.concatenate([line, rest])
-    edges = _walk(course.graph, course.node_after(number), begin, points, path)
+    edges = _walk(sampled, sampled.node_after(number), begin, points, path)
     if edges is None:
-        return course
-    kept = course.edges[:number] + edges
-    frames = int(course.graph.edge_frames[list(kept)].sum())
-    return make_course(course.graph, kept, frames, course.start)
+        return sampled
+    kept = sampled.edges[:number] + edges
+    frames = int(sampled.graph.edge_frames[list(kept)].sum())
+    return sampled.with_edges(kept, frames)
 
 
 def _walk(
-    graph: MotionGraph, node: int, begin: np.ndarray, line: np.ndarray, path: PathConfig
+    sampled: SampledWalk, node: int, begin: np.ndarray, line: np.ndarray, path: PathConfig
 ) -> tuple[int, ...] | None:
     """The edges of a walk along a line, as far as it leads; None where there is none."""
-    apart = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    line = line[np.concatenate([[True], apart > 1e-3])]
-    if apart.sum() < 2 * _STEP_M:
+    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    line = line[np.concatenate([[True], steps > 1e-3])]
+    if steps.sum() < 2 * _STEP_M:
         return None
     try:
         sketch = make_sketch(line)
         quick = replace(path, method="beam", time_limit_s=0.0)
-        walked = follow(graph, sketch, config=quick, node=node, start=begin)
+        walked = follow(
+            sampled.graph, sketch, config=quick, node=node, start=begin, prepared=sampled.prepared
+        )
     except (PathError, GraphError):
         return None
     # Also a walk that loses its way may have come near enough: that is tried next.

@@ -10,19 +10,17 @@ from jaxtyping import Float
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import require_roles
 from mgjax.hybrid.body.capsules import arm_clearance
-from mgjax.hybrid.body.limb_limits import reach_limits
 from mgjax.hybrid.body.rig import (
-    Rig,
-    effort,
-    follow_targets,
+    LimbRig,
+    full_pose,
     key_poses,
-    make_rig,
-    whole_pose,
+    pose_cost,
+    track_targets,
 )
 from mgjax.hybrid.config import ReachConfig
 from mgjax.hybrid.ik.limbs import Limb
-from mgjax.hybrid.reaching.placements import Place
-from mgjax.hybrid.reaching.sampled_walk import Course
+from mgjax.hybrid.reaching.placements import Placement
+from mgjax.hybrid.reaching.sampled_walk import SampledWalk
 from mgjax.hybrid.reaching.targets import Target
 
 _DROPS = 7
@@ -30,7 +28,7 @@ _DROPS = 7
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Key:
+class KeyPose:
     """A pose that reaches.
 
     Attributes:
@@ -42,62 +40,62 @@ class Key:
         clearance_m: of the arm to the body, at least over the hold; negative inside.
     """
 
-    place: Place
-    rig: Rig
+    place: Placement
+    rig: LimbRig
     pose: Float[np.ndarray, "n 4"]
     drop_m: float
     error_m: float
     clearance_m: float
 
 
-def find_key(
-    course: Course,
+def find_key_pose(
+    sampled: SampledWalk,
     limbs: tuple[Limb, ...],
     targets: list[Target],
-    place: Place,
+    place: Placement,
     config: ReachConfig,
-) -> Key:
+) -> KeyPose:
     """The best pose that reaches targets at a place, or the one that comes nearest.
 
     Poses are found from the walk's own and from raised arms, with the pelvis at several depths;
     of those that arrive the one is best that least turns the torso, lowers the pelvis, and brings
     the arm near the body. It must also stay on the targets over the whole hold.
     """
-    rig = make_rig(
-        course.graph.skeleton, limbs, reach_limits(course.graph, limbs) if config.limits else None
-    )
-    rate = course.graph.frame_rate
+    rig = sampled.body.rig(limbs, config)
+    rate = sampled.graph.frame_rate
     steps = round(max(target.hold_s for target in targets) * rate)
-    span = np.full(steps + 1, place.frame)
+    rows = np.full(steps + 1, place.frame)
     if not place.stop:
-        span = np.minimum(span + np.arange(steps + 1), course.frames)
+        rows = np.minimum(rows + np.arange(steps + 1), sampled.frames)
     points = np.stack([t.at(np.arange(steps + 1) / rate) for t in targets], axis=1)
     root, local = (
-        np.asarray(x, np.float32)[span]
-        for x in (course.motion.root_translation, course.motion.local_rotations)
+        np.asarray(x, np.float32)[rows]
+        for x in (sampled.motion.root_translation, sampled.motion.local_rotations)
     )
     middle = steps // 2
     drops = np.linspace(0, config.drop_m, _DROPS)
     down = drops[:, None] * np.array([[0.0, -1.0, 0.0]])
-    found = key_poses(
+    solved = key_poses(
         rig,
         root[middle] + down,
         np.repeat(local[middle][None], _DROPS, axis=0),
         np.repeat(points[middle][None], _DROPS, axis=0),
     )
-    cost = np.stack([
-        _costs(course, rig, root[middle] + down[i], local[middle], points[middle], found[i], config)
-        + 4.0 * drops[i]
-        for i in range(_DROPS)
-    ])  # fmt: skip
+    walk = local[middle], points[middle]
+    cost = np.stack(
+        [
+            _costs(sampled, rig, root[middle] + down[i], *walk, solved[i], config) + 4.0 * drops[i]
+            for i in range(_DROPS)
+        ]
+    )
     depth, number = np.unravel_index(int(np.argmin(cost)), cost.shape)
     lowered = root + down[depth]
-    poses = follow_targets(rig, lowered, local, points, middle, found[depth, number])
+    poses = track_targets(rig, lowered, local, points, middle, solved[depth, number])
     positions = _positions(rig, lowered, local, poses)
     ends = positions[:, [limb.joints[-1] for limb in limbs]]
-    arms = [limb.name for limb in limbs if limb.name != "head"]
-    clear = [arm_clearance(course.body, positions, name).min() for name in arms]
-    return Key(
+    arms = [limb.type for limb in limbs if limb.is_arm]
+    clear = [arm_clearance(sampled.body.capsules, positions, arm).min() for arm in arms]
+    return KeyPose(
         place=place,
         rig=rig,
         pose=poses[middle],
@@ -107,14 +105,14 @@ def find_key(
     )
 
 
-def _positions(rig: Rig, root: np.ndarray, local: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    whole = whole_pose(rig, root, local, poses)
-    return np.asarray(forward(rig.skeleton, root.astype(np.float32), whole)[0], np.float64)
+def _positions(rig: LimbRig, root: np.ndarray, local: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    pose = full_pose(rig, root, local, poses)
+    return np.asarray(forward(rig.skeleton, root.astype(np.float32), pose)[0], np.float64)
 
 
 def _costs(
-    course: Course,
-    rig: Rig,
+    sampled: SampledWalk,
+    rig: LimbRig,
     root: np.ndarray,
     local: np.ndarray,
     points: np.ndarray,
@@ -124,16 +122,16 @@ def _costs(
     count = len(poses)
     roots, locals_ = (np.repeat(x[None], count, axis=0) for x in (root, local))
     positions = _positions(rig, roots, locals_, poses)
-    cost = effort(rig, local, poses)
+    cost = pose_cost(rig, local, poses)
     for limb, point in zip(rig.limbs, points, strict=True):
         miss = np.linalg.norm(positions[:, limb.joints[-1]] - point, axis=-1)
         # Missing by the tolerance or by a metre: both are worse than any pose that arrives.
         cost = cost + np.where(miss > 0.5 * config.hold_m, 100.0 + 100.0 * miss, 0.0)
-        if limb.name != "head":
-            clear = arm_clearance(course.body, positions, limb.name)
+        if limb.is_arm:
+            clear = arm_clearance(sampled.body.capsules, positions, limb.type)
             cost = cost + 40.0 * np.maximum(0.01 - clear, 0.0)
-            side = limb.name.split("_")[0]
-            joints = require_roles(rig.skeleton, (f"{side}_shoulder", f"{side}_elbow"))
+            roles = (limb.type.role("shoulder"), limb.type.role("elbow"))
+            joints = require_roles(rig.skeleton, roles)
             shoulder, elbow = (positions[:, joint, 1] for joint in joints)
             cost = cost + 4.0 * np.maximum(elbow - np.maximum(shoulder, point[1]), 0.0)
     return cost

@@ -9,12 +9,13 @@ import numpy as np
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.body.capsules import arm_clearance, body_of
+from mgjax.hybrid.body.capsules import arm_clearance
 from mgjax.hybrid.ik.limbs import find_limb
 from mgjax.hybrid.paths.result import PathResult
-from mgjax.hybrid.reaching.blend import Span
-from mgjax.hybrid.reaching.duck import Duck, clearance
-from mgjax.hybrid.reaching.events import Event
+from mgjax.hybrid.prepared import ReachBody
+from mgjax.hybrid.reaching.blend import Hold
+from mgjax.hybrid.reaching.duck import Duck, bar_clearance
+from mgjax.hybrid.reaching.events import ReachEvent
 from mgjax.hybrid.reaching.targets import Target
 
 
@@ -55,7 +56,7 @@ class ReachResult:
     Attributes:
         walked: the walk as it is walked, with what extends it, before limbs reach.
         motion: with the reaches.
-        plain: the same with stops, but without reaches.
+        plain: the motion with stops, but without reaches.
         targets: one result for each target.
         fastest_deg_s: fastest turn of a joint that the reaches turn, degrees/s.
         fastest_plain_deg_s: that of the walk without reaches.
@@ -75,48 +76,50 @@ class ReachResult:
 
 def target_row(
     graph: MotionGraph,
+    body: ReachBody,
     motion: Motion,
     target: Target,
     number: int,
-    events: list[Event],
-    spans: dict[int, Span],
+    events: list[ReachEvent],
+    holds: dict[int, Hold],
 ) -> Reached:
     """What came of a target, measured on the motion."""
     event = next(event for event in events if number in event.numbers)
-    span = spans.get(id(event))
-    if span is None or event.key is None:
+    hold = holds.get(id(event))
+    if hold is None or event.key is None:
         return Reached(
             target=target, status=event.status, first=None, last=None, extended_m=0.0,
             error_m=event.key.error_m if event.key else np.nan,
             hold_m=np.nan, stopped=False, drop_m=0.0, clear_m=np.nan,
         )  # fmt: skip
-    positions = np.asarray(global_positions(graph.skeleton, motion), np.float64)
-    rows = np.arange(span.first, span.last + 1)
-    wanted = target.at((rows - span.first) / graph.frame_rate)
-    joint = find_limb(graph.skeleton, target.limb).joints[-1]
-    off = np.linalg.norm(positions[rows, joint] - wanted, axis=-1)
-    body = body_of(graph.skeleton)
-    hand = target.limb != "head"
+    positions = np.asarray(global_positions(body.skeleton, motion), np.float64)
+    rows = np.arange(hold.first, hold.last + 1)
+    wanted = target.at((rows - hold.first) / graph.frame_rate)
+    limb = find_limb(body.skeleton, target.limb)
+    off = np.linalg.norm(positions[rows, limb.joints[-1]] - wanted, axis=-1)
+    clear_m = np.nan
+    if limb.is_arm:
+        clear_m = float(arm_clearance(body.capsules, positions[rows], limb.type).min())
     return Reached(
         target=target,
         status=event.status,
         error_m=float(off[0]),
         hold_m=float(off.max()),
-        first=span.first,
-        last=span.last,
+        first=hold.first,
+        last=hold.last,
         extended_m=event.extended_m,
         stopped=event.key.place.stop,
         drop_m=event.key.drop_m,
-        clear_m=float(arm_clearance(body, positions[rows], target.limb).min()) if hand else np.nan,
+        clear_m=clear_m,
     )
 
 
 def bar_row(
-    graph: MotionGraph, motion: Motion, target: Target, ducked: Duck, drop_m: float
+    body: ReachBody, motion: Motion, target: Target, ducked: Duck, drop_m: float
 ) -> Reached:
     """What came of a bar, measured on the motion with all its reaches."""
     assert target.bar is not None
-    left = float(clearance(graph, motion, target.bar).min())
+    left = float(bar_clearance(body, motion, target.bar).min())
     frames = ducked.frames or (None, None)
     return Reached(
         target=target, status="cleared" if left >= 0 else "hit", error_m=np.nan, hold_m=np.nan,

@@ -13,15 +13,16 @@ from mgjax.core.motion import Motion
 from mgjax.graph.plants import walk_plants
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import make_walk, place_edges, sample_walk
-from mgjax.hybrid.body.capsules import Body, body_of
+from mgjax.hybrid.prepared import Prepared, ReachBody
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Course:
+class SampledWalk:
     """A walk, played up to some frame.
 
     Attributes:
         graph: whose edges it has.
+        prepared: state of the graph, for reaching.
         edges: of the walk.
         frames: played; the motion has one pose more.
         start: planar frame of the body at the beginning. [3]
@@ -29,10 +30,10 @@ class Course:
         positions: of all joints, m. [F, J, 3]
         planes: planar frame of the body in each frame. [F, 3]
         plants: whether the left and the right foot stand still. [F, 2]
-        body: capsules.
     """
 
     graph: MotionGraph
+    prepared: Prepared
     edges: tuple[int, ...]
     frames: int
     start: Float[np.ndarray, "3"]
@@ -40,7 +41,15 @@ class Course:
     positions: Float[np.ndarray, "F J 3"]
     planes: Float[np.ndarray, "F 3"]
     plants: Bool[np.ndarray, "F 2"]
-    body: Body
+
+    @property
+    def body(self) -> ReachBody:
+        """The body as reaching reads it."""
+        return self.prepared.reach_body
+
+    def with_edges(self, edges: tuple[int, ...], frames: int) -> SampledWalk:
+        """The first frames of a walk along other edges from the same beginning."""
+        return make_sampled_walk(self.graph, self.prepared, edges, frames, self.start)
 
     def edge_at(self, frame: int) -> int:
         """Number of the edge that is played at a frame, counted from 0."""
@@ -62,30 +71,34 @@ class Course:
         return np.asarray(planar.compose(np.asarray(after), node))
 
     def node_after(self, number: int) -> int:
-        """The node there."""
+        """The node to which so many edges lead."""
         if number == 0:
             return int(self.graph.edge_source[self.edges[0]])
         return int(self.graph.edge_target[self.edges[number - 1]])
 
 
-def make_course(
-    graph: MotionGraph, edges: tuple[int, ...], frames: int, start: Float[np.ndarray, "3"]
-) -> Course:
-    """The course of a walk's first frames; edges after them are left out."""
+def make_sampled_walk(
+    graph: MotionGraph,
+    prepared: Prepared,
+    edges: tuple[int, ...],
+    frames: int,
+    start: Float[np.ndarray, "3"],
+) -> SampledWalk:
+    """The first frames of a walk as sampled; edges after them are left out."""
     ends = np.cumsum(graph.edge_frames[list(edges)])
     kept = edges[: int(np.searchsorted(ends, frames)) + 1]
     frames = int(min(frames, ends[len(kept) - 1]))
     walk = make_walk(graph, kept)
     motion = sample_walk(graph, walk, np.arange(frames + 1) / graph.frame_rate, start=start)
     positions = np.asarray(global_positions(graph.skeleton, motion), np.float64)
-    return Course(
+    return SampledWalk(
         graph=graph,
+        prepared=prepared,
         edges=kept,
         frames=frames,
         start=start,
         motion=motion,
         positions=positions,
         planes=np.asarray(planar_frames(graph.skeleton, positions)),
-        plants=walk_plants(graph, list(kept), frames + 1),
-        body=body_of(graph.skeleton),
+        plants=walk_plants(graph, prepared.plants, list(kept), frames + 1),
     )

@@ -54,23 +54,23 @@ def play(last: int, frame_rate: float, stops: Sequence[Stop]) -> Playback:
     stands: list[tuple[int, int]] = []
     here = 0.0
     for number, stop in enumerate(stops):
-        whole = max(int(stop.frame - here - ease / 2), 0)
-        steps += [1.0] * whole
-        way = stop.frame - here - whole
-        if way > 0:
-            steps += (profile * way / profile.sum()).tolist()
+        full = max(int(stop.frame - here - ease / 2), 0)
+        steps += [1.0] * full
+        left = stop.frame - here - full
+        if left > 0:
+            steps += (profile * left / profile.sum()).tolist()
         stands.append((len(steps), len(steps) + stop.frames))
         steps += [0.0] * stop.frames
         following = stops[number + 1].frame if number + 1 < len(stops) else last
         # Of a short way to the next stop half is for getting going, half for coming to a stand.
         share = 0.5 if number + 1 < len(stops) else 1.0
-        way = min(ease / 2, share * (following - stop.frame))
-        if way > 0:
-            steps += (profile[::-1] * way / profile.sum()).tolist()
-        here = stop.frame + way
-    whole = int(last - here)
-    steps += [1.0] * whole
-    if last - here - whole > 1e-6:
-        steps.append(last - here - whole)
+        left = min(ease / 2, share * (following - stop.frame))
+        if left > 0:
+            steps += (profile[::-1] * left / profile.sum()).tolist()
+        here = stop.frame + left
+    full = int(last - here)
+    steps += [1.0] * full
+    if last - here - full > 1e-6:
+        steps.append(last - here - full)
     frames = np.concatenate([[0.0], np.cumsum(steps)])
     return Playback(frames=np.minimum(frames, last), stands=tuple(stands))

@@ -24,7 +24,7 @@ from jaxtyping import Float
 from scipy.interpolate import PchipInterpolator
 
 from mgjax.core.errors import FileFormatError, ReachError
-from mgjax.hybrid.ik.limbs import LIMBS
+from mgjax.hybrid.ik.limbs import LIMB_TYPES, LIMBS, LimbKind
 from mgjax.io.json_text import parse_json
 from mgjax.io.text import quoted, read_text
 
@@ -100,11 +100,11 @@ def make_target(
     """
     if limb not in LIMBS:
         raise ReachError(got=f"the limb {quoted(str(limb))}", expected=" | ".join(LIMBS))
-    given = [
+    kinds = [
         name for name, x in (("place", place), ("track", track), ("bar", bar)) if x is not None
     ]
-    if len(given) != 1:
-        got = " and ".join(given) or "no place"
+    if len(kinds) != 1:
+        got = " and ".join(kinds) or "no place"
         raise ReachError(got=f"{got} for the {limb}", expected="one of place | track | bar")
     if bar is not None:
         return _bar_target(limb, bar, when)
@@ -127,7 +127,7 @@ def make_target(
 
 
 def _bar_target(limb: str, bar: tuple[Any, Any, Any], when: Any) -> Target:
-    if limb != "head":
+    if LIMB_TYPES[limb].kind is not LimbKind.HEAD:
         raise ReachError(got=f"a bar for the {limb}", expected="one for the head")
     if when not in (None, "passing"):
         raise ReachError(got=f"a bar at {when!r:.40}", expected="no time: it is where it is passed")
@@ -161,17 +161,17 @@ def _numbers(limb: str, rows: Any, width: int) -> np.ndarray:
     """Rows of finite numbers."""
     what = "[s, x, y, z] of each place" if width == 4 else "[x, y, z]"
     try:
-        found: np.ndarray = np.array(rows, dtype=np.float64)
+        numbers: np.ndarray = np.array(rows, dtype=np.float64)
     except (TypeError, ValueError):
-        found = np.zeros(0)
-    if found.ndim != 2 or found.shape[1] != width or not len(found):
+        numbers = np.zeros(0)
+    if numbers.ndim != 2 or numbers.shape[1] != width or not len(numbers):
         got = f"{rows!r:.60}"
         raise ReachError(got=f"{got} for the {limb}", expected=f"numbers {what}")
-    if not np.isfinite(found).all() or (np.abs(found) > MAX_PLACE_M).any():
+    if not np.isfinite(numbers).all() or (np.abs(numbers) > MAX_PLACE_M).any():
         raise ReachError(
-            got=f"{found.tolist()!s:.60} for the {limb}", expected=f"finite {what} in m"
+            got=f"{numbers.tolist()!s:.60} for the {limb}", expected=f"finite {what} in m"
         )
-    return found
+    return numbers
 
 
 def load_targets(path: str | Path) -> tuple[Target, ...]:

@@ -11,7 +11,6 @@ from mgjax.hybrid.ik.joint_limits import (
     clamp,
     from_swing_twist,
     joint_limits,
-    limits_of_motion,
     random_rotations,
     swing_twist,
 )
@@ -93,15 +92,3 @@ def test_random_rotations_are_inside() -> None:
     limits = joint_limits(UP, swing=[[-0.3, 1.0, -0.2, 0.5]], twist=[[-0.1, 0.4]])
     rotations = random_rotations(np.random.default_rng(0), 200, limits)
     same(clamp(rotations, limits), rotations, 2e-3)
-
-
-def test_limits_of_captured_motion_hold_it() -> None:
-    rng = np.random.default_rng(0)
-    bend = rng.uniform(0, 2, (50, 1))
-    rotations = quaternion.from_axis_angle(np.array([[[0.0, 0.6, 0.8]]]), bend)
-    bones = np.array([[1.0, 0, 0]])
-    limits = limits_of_motion(rotations, bones, margin=0.1)
-    same(clamp(rotations, limits), rotations, 2e-3)
-    # It is a hinge about the axis of the motion.
-    assert abs(limits.across[0] @ [0, 0.6, 0.8]) == pytest.approx(1, abs=1e-4)
-    np.testing.assert_array_less(np.abs(limits.swing[0, 2:]), 0.1 * math.sqrt(2) + 1e-3)

@@ -17,13 +17,14 @@ from mgjax.graph.config import GraphConfig
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid import follow, make_sketch
 from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.macro.macro_edges import MacroEdges, build_macro_edges
+from mgjax.hybrid.macro.pieces import NO_PIECE
 from mgjax.hybrid.paths.beam import run_beam
 from mgjax.hybrid.paths.branch_and_bound import branch_and_bound
 from mgjax.hybrid.paths.curve import make_curve
-from mgjax.hybrid.paths.frontier import Front, Search
-from mgjax.hybrid.paths.kernel import Request, bound, extend, make_request
-from mgjax.hybrid.paths.macro_edges import NO_PIECE, Strides, stride_tables
-from mgjax.hybrid.paths.result import lay_out
+from mgjax.hybrid.paths.frontier import Frontier, Search
+from mgjax.hybrid.paths.kernel import Request, extension_costs, lower_bounds, make_request
+from mgjax.hybrid.paths.result import place_pieces
 from mgjax.hybrid.paths.sketch import Sketch
 from tests.hybrid.paths.made import walking
 from tests.reference import path as reference
@@ -39,29 +40,31 @@ def graph() -> MotionGraph:
 
 def started(
     graph: MotionGraph, sketch: Sketch, config: PathConfig, node: int
-) -> tuple[Search, Front]:
+) -> tuple[Search, Frontier]:
     curve = make_curve(sketch)
-    search = Search(strides=stride_tables(graph), request=make_request(curve, sketch, config))
+    search = Search(
+        macro_edges=build_macro_edges(graph), request=make_request(curve, sketch, config)
+    )
     state = np.zeros((1, 5), np.float32)
     state[0, :3] = curve.start()
     return search, search.begin(state, np.array([node]))
 
 
-def edges_of(graph: MotionGraph, search: Search, record: int, stride: int) -> list[int]:
-    pieces = search.strides.pieces
-    _, played = search.chain(record, stride)
+def edges_of(graph: MotionGraph, search: Search, record: int, macro_edge: int) -> list[int]:
+    pieces = search.macro_edges.pieces
+    _, played = search.chain(record, macro_edge)
     return [int(pieces.edge[p]) for p in played if pieces.source[p] < graph.num_nodes]
 
 
 def walking_nodes(graph: MotionGraph, count: int) -> list[int]:
     """Nodes from which the body moves on at once."""
-    tables = stride_tables(graph)
+    tables = build_macro_edges(graph)
     way = np.maximum.reduceat(tables.arc / tables.frames, tables.first[:-1])[: graph.num_nodes]
     return np.argsort(-way)[:: max(len(way) // (3 * count), 1)][:count].tolist()
 
 
 def test_strides_are_all_walks(graph: MotionGraph) -> None:
-    tables = stride_tables(graph)
+    tables = build_macro_edges(graph)
     pieces = tables.pieces
     assert pieces.frames.max() <= tables.delta
     assert (np.bincount(pieces.edge, pieces.frames) == graph.edge_frames).all()
@@ -87,12 +90,12 @@ def test_strides_are_all_walks(graph: MotionGraph) -> None:
 
 
 def test_tracks_are_those_of_the_edges(graph: MotionGraph) -> None:
-    tables = stride_tables(graph)
+    tables = build_macro_edges(graph)
     start = np.array([0.7, 1.0, -2.0])
     for node in walking_nodes(graph, 5):
-        stride = int(tables.first[node])
-        pieces = [int(p) for p in tables.members[stride] if p != NO_PIECE]
-        track = lay_out(graph, tables.pieces, pieces, start)
+        macro_edge = int(tables.first[node])
+        pieces = [int(p) for p in tables.members[macro_edge] if p != NO_PIECE]
+        track = place_pieces(graph, tables.pieces, pieces, start)
         body: tuple[float, float, float] = (0.7, 1.0, -2.0)
         places: list[tuple[float, float]] = []
         for edge in dict.fromkeys(tables.pieces.edge[pieces].tolist()):
@@ -100,18 +103,18 @@ def test_tracks_are_those_of_the_edges(graph: MotionGraph) -> None:
             places += more
         count = len(track.places)
         np.testing.assert_allclose(track.places, np.array(places)[:count], atol=1e-4)
-        own = np.asarray(tables.track)[stride, :2, :count].T
+        own = np.asarray(tables.track)[macro_edge, :2, :count].T
         there = planar.apply(start, np.stack([own[:, 0], 0 * own[:, 0], own[:, 1]], axis=-1))
         np.testing.assert_allclose(np.asarray(there)[:, ::2], track.places, atol=1e-4)
         np.testing.assert_allclose(
-            np.asarray(tables.track)[stride, 2, :count], track.arc, atol=1e-4
+            np.asarray(tables.track)[macro_edge, 2, :count], track.arc, atol=1e-4
         )
-        end = planar.compose(start, tables.end[stride])
+        end = planar.compose(start, tables.end[macro_edge])
         np.testing.assert_allclose(np.asarray(end), track.end, atol=1e-5)
 
 
 def test_discs_hold_every_walk(graph: MotionGraph) -> None:
-    tables = stride_tables(graph)
+    tables = build_macro_edges(graph)
     rng = np.random.default_rng(0)
     ahead, track = np.asarray(tables.ahead), np.asarray(tables.track)
     for stop in rng.integers(0, len(tables.first) - 1, 40).tolist():
@@ -132,38 +135,42 @@ def test_discs_hold_every_walk(graph: MotionGraph) -> None:
 
 
 def extended(
-    tables: Strides, request: Request, arrays: tuple[np.ndarray, ...], count: int
+    tables: MacroEdges, request: Request, arrays: tuple[np.ndarray, ...], count: int
 ) -> np.ndarray:
     padded = [
         np.concatenate([x, np.zeros((count - len(x), *x.shape[1:]), x.dtype)]) for x in arrays
     ]
-    return np.asarray(extend(tables.track, tables.manner, request, *padded))[:, : len(arrays[0])]
+    return np.asarray(extension_costs(tables.track, tables.speed_heading, request, *padded))[
+        :, : len(arrays[0])
+    ]
 
 
 def test_extension_by_loops(graph: MotionGraph) -> None:
     """Costs, completion and strays are those of plain loops; padding and jit change nothing."""
-    tables = stride_tables(graph)
+    tables = build_macro_edges(graph)
     config = PathConfig(near_m=0.5)
     for sketch in (LINE, make_sketch([[1, 1], [1, 1.6]])):
         curve = make_curve(sketch)
         request = make_request(curve, sketch, config)
         nodes = walking_nodes(graph, 4)
-        strides = np.concatenate([np.arange(tables.first[n], tables.first[n + 1]) for n in nodes])
-        strides = strides[:60].astype(np.int32)
-        state = np.zeros((len(strides), 5), np.float32)
+        macro_edges = np.concatenate(
+            [np.arange(tables.first[n], tables.first[n + 1]) for n in nodes]
+        )
+        macro_edges = macro_edges[:60].astype(np.int32)
+        state = np.zeros((len(macro_edges), 5), np.float32)
         state[:, :3] = curve.start()
-        frames = np.stack([tables.frames[strides], np.full(len(strides), 12)], axis=1)
+        frames = np.stack([tables.frames[macro_edges], np.full(len(macro_edges), 12)], axis=1)
         frames = frames.astype(np.int32)
 
-        arrays = (state, strides, frames)
+        arrays = (state, macro_edges, frames)
         costs = extended(tables, request, arrays, 256)
         np.testing.assert_array_equal(costs, extended(tables, request, arrays, 768))
         with jax.disable_jit():
             eager = extended(tables, request, arrays, 256)
         np.testing.assert_allclose(costs, eager, rtol=1e-5, atol=1e-7)
         seen = set()
-        for i, stride in enumerate(strides.tolist()):
-            pieces = tables.members[stride]
+        for i, macro_edge in enumerate(macro_edges.tolist()):
+            pieces = tables.members[macro_edge]
             edges = list(dict.fromkeys(tables.pieces.edge[pieces[pieces != NO_PIECE]].tolist()))
             expected, count, complete = reference.walk_cost(
                 graph, edges, sketch.points, curve.start(), int(frames[i].min()), 1.0, 0.5
@@ -178,34 +185,37 @@ def test_extension_by_loops(graph: MotionGraph) -> None:
 
 
 def test_bound_is_admissible(graph: MotionGraph) -> None:
-    tables = stride_tables(graph)
-    search, front = started(graph, BENT, PathConfig(near_m=3.0), walking_nodes(graph, 1)[0])
+    tables = build_macro_edges(graph)
+    search, frontier = started(graph, BENT, PathConfig(near_m=3.0), walking_nodes(graph, 1)[0])
     rng = np.random.default_rng(1)
     for _ in range(4):
-        front = search.expand(front, 1000, math.inf)[0]
-        rows = rng.permutation(len(front.stop))[:20]
-        front = front.pick(rows)
-        front.state[:, :3] += rng.normal(0, [0.3, 0.1, 0.1], (len(rows), 3)).astype(np.float32)
-        horizon = int(front.frames.max()) + 15
-        least = search.bounds(front, horizon)
+        frontier = search.expand(frontier, 1000, math.inf)[0]
+        rows = rng.permutation(len(frontier.stop))[:20]
+        frontier = frontier.pick(rows)
+        frontier.state[:, :3] += rng.normal(0, [0.3, 0.1, 0.1], (len(rows), 3)).astype(np.float32)
+        horizon = int(frontier.frames.max()) + 15
+        least = search.bounds(frontier, horizon)
         for i in range(len(rows)):
-            one = front.pick(slice(i, i + 1))
+            one = frontier.pick(slice(i, i + 1))
             costs = [math.inf]
             walks = one
             while len(walks.stop):
                 walks, complete, reached = search.expand(walks, horizon, math.inf)
-                costs += [leaf.cost for leaf in (complete, reached) if leaf is not None]
+                costs += [terminal.cost for terminal in (complete, reached) if terminal is not None]
             assert least[i] <= min(costs) + 1e-5
-    assert least.max() > front.state[:, 4].min()
+    assert least.max() > frontier.state[:, 4].min()
     ahead = tables.ahead
     with jax.disable_jit():
         arrays = (
-            front.state,
-            front.stop.astype(np.int32),
-            (horizon - front.frames).astype(np.int32),
+            frontier.state,
+            frontier.stop.astype(np.int32),
+            (horizon - frontier.frames).astype(np.int32),
         )
         np.testing.assert_allclose(
-            least - front.state[:, 4], bound(ahead, search.request, *arrays), rtol=1e-4, atol=1e-6
+            least - frontier.state[:, 4],
+            lower_bounds(ahead, search.request, *arrays),
+            rtol=1e-4,
+            atol=1e-6,
         )
 
 
@@ -224,19 +234,19 @@ def test_optimum_is_that_of_all_walks(
             graph, node, sketch.points, curve.start(), horizon, blend_weight, 0.6
         )
         search, begin = started(graph, sketch, config, node)
-        leaf, proven, over = branch_and_bound(search, begin, horizon=horizon, expansions=10**6)
+        terminal, proven, over = branch_and_bound(search, begin, horizon=horizon, expansions=10**6)
         assert (proven, over) == (True, False)
-        if leaf is None:
+        if terminal is None:
             assert expected == math.inf
             continue
         compared += 1
-        edges = edges_of(graph, search, leaf.record, leaf.stride)
+        edges = edges_of(graph, search, terminal.record, terminal.macro_edge)
         cost, count, complete = reference.walk_cost(
             graph, edges, sketch.points, curve.start(), horizon, blend_weight, 0.6
         )
         assert cost == pytest.approx(expected, rel=1e-3, abs=2e-5)
-        assert leaf.cost == pytest.approx(expected, rel=1e-2, abs=5e-5)  # P is read to 0.5 mm
-        assert (count, complete) == (leaf.frames, leaf.complete)
+        assert terminal.cost == pytest.approx(expected, rel=1e-2, abs=5e-5)  # P is read to 0.5 mm
+        assert (count, complete) == (terminal.frames, terminal.complete)
         # A beam is never better, and as a walk to beat it does not change the optimum.
         search, begin = started(graph, sketch, config, node)
         beam = run_beam(search, begin, width=8, horizon=horizon)
@@ -245,8 +255,8 @@ def test_optimum_is_that_of_all_walks(
         )
         assert proven
         assert again is not None
-        assert again.cost == pytest.approx(leaf.cost, rel=1e-6)
-        assert beam.best is None or beam.best.cost >= leaf.cost - 1e-6
+        assert again.cost == pytest.approx(terminal.cost, rel=1e-6)
+        assert beam.best is None or beam.best.cost >= terminal.cost - 1e-6
     assert compared >= 2
 
 

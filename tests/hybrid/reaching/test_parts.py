@@ -7,21 +7,28 @@ import pytest
 
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core import quaternion
+from mgjax.core.easing import plateau, smoothstep
 from mgjax.core.kinematics import forward, global_positions
 from mgjax.core.skeleton import find_role
 from mgjax.graph.walk import unroll
-from mgjax.hybrid.body.capsules import arm_clearance, body_of, segment_distance, to_bar, to_points
-from mgjax.hybrid.body.limb_limits import reach_limits
+from mgjax.hybrid.body.capsules import (
+    arm_clearance,
+    make_capsules,
+    segment_distance,
+    to_bar,
+    to_points,
+)
+from mgjax.hybrid.body.limb_limits import make_limb_limits
 from mgjax.hybrid.body.pelvis import lower_pelvis
 from mgjax.hybrid.ik.joint_limits import clamp, random_rotations
-from mgjax.hybrid.ik.limbs import find_limb
-from mgjax.hybrid.reaching.blend import ramp
+from mgjax.hybrid.ik.limbs import ARMS, find_limb
 from mgjax.hybrid.reaching.dubins import dubins
-from mgjax.hybrid.reaching.duck import _weight
 from mgjax.hybrid.reaching.placements import radius_of
 from mgjax.hybrid.reaching.stops import Stop, play
 from tests.hybrid.paths.made import walking
 from tests.reference import reach as reference
+
+RIGHT, LEFT = ARMS
 
 
 def test_segment_distance() -> None:
@@ -39,9 +46,9 @@ def test_segment_distance() -> None:
 
 def test_body() -> None:
     skeleton = synthetic_skeleton()
-    body = body_of(skeleton)
+    body = make_capsules(skeleton)
     assert {"torso", "head", "upper arm", "forearm", "hand", "thigh", "shin"} <= set(body.parts)
-    arms = [p for p, limb in zip(body.parts, body.limbs, strict=True) if limb == "left_hand"]
+    arms = [p for p, limb in zip(body.parts, body.limbs, strict=True) if limb is LEFT]
     assert set(arms) == {"upper arm", "forearm", "hand"}
     rest = np.zeros((1, skeleton.num_joints, 4))
     rest[..., 0] = 1
@@ -52,7 +59,7 @@ def test_body() -> None:
     bar = np.array([[-1, top + 0.5, 0.0], [1, top + 0.5, 0.0]])
     radius = body.radii[body.parts.index("head")]
     assert to_bar(body, positions, bar, 0.03)[0] == pytest.approx(0.47 - radius, abs=0.02)
-    assert arm_clearance(body, positions, "right_hand")[0] > 0.1
+    assert arm_clearance(body, positions, RIGHT)[0] > 0.1
 
 
 def test_radius_by_hand() -> None:
@@ -68,8 +75,8 @@ def test_radius_by_hand() -> None:
 
 def test_weights() -> None:
     wanted = [reference.weight(frame, 20, 25, 10) for frame in range(50)]
-    np.testing.assert_allclose(_weight(50, 20, 25, 10), wanted, atol=1e-12)
-    slope = np.diff(ramp(np.linspace(-0.5, 1.5, 2001))) * 1000
+    np.testing.assert_allclose(plateau(np.arange(50), 20, 25, 10, 10), wanted, atol=1e-12)
+    slope = np.diff(smoothstep(np.linspace(-0.5, 1.5, 2001))) * 1000
     assert np.abs(np.diff(slope)).max() < 0.01
     assert abs(slope[0]) + abs(slope[-1]) == 0
 
@@ -128,7 +135,7 @@ def test_lowered_pelvis_keeps_the_feet() -> None:
 def test_limits_hold_every_captured_pose(name: str) -> None:
     graph = walking()
     limb = find_limb(graph.skeleton, name)
-    limits = reach_limits(graph, (limb,))
+    limits = make_limb_limits(graph).of((limb,))
     stop = int(graph.clip_stops[-1])
     captured = graph.local_rotations[:stop][:, list(limb.joints)]
     assert np.asarray(quaternion.angle_between(clamp(captured, limits), captured)).max() < 0.02
@@ -138,7 +145,7 @@ def test_elbows_bend_one_way() -> None:
     graph = walking()
     skeleton = graph.skeleton
     limb = find_limb(skeleton, "right_hand")
-    limits = reach_limits(graph, (limb,))
+    limits = make_limb_limits(graph).of((limb,))
     poses = random_rotations(np.random.default_rng(0), 300, limits)
     elbow = find_role(skeleton, "right_elbow")
     assert elbow is not None

@@ -188,3 +188,20 @@ def test_on_capture(capture: Path) -> None:
     result = go(high, far, bar, graph=graph, sketch=curve)
     assert [row.status for row in result.targets] == ["reached", "reached", "cleared"]
     check(result, graph)
+
+
+def test_a_blend_of_no_length_is_at_once() -> None:
+    config = ReachConfig(blend_s=0.0, turn_deg_s=1e6)
+    hand = make_target("right_hand", place=[-0.35, 1.2, 2.2], when="passing", hold_s=0.2)
+    bar = make_target("head", bar=([-1, 1.5, 3], [1, 1.5, 3], 0.03))
+    result = reach(walking(), LINE, (hand, bar), path=BEAM, config=config)
+    assert np.isfinite(np.asarray(result.motion.local_rotations)).all()
+    row, ducked = result.targets
+    assert (row.status, ducked.status) == ("reached", "cleared")
+    assert row.first is not None
+    assert ducked.first is not None
+    held = {f for r in (row, ducked) for f in range(r.first, r.last + 1)}  # pyright: ignore
+    before = next(f for f in range(row.first - 1, -1, -1) if f not in held)
+    np.testing.assert_allclose(
+        result.motion.local_rotations[before], result.plain.local_rotations[before], atol=1e-6
+    )

@@ -1,0 +1,1 @@
+"""Macro edges: what the path search needs of a graph, whatever the path."""
