@@ -1,34 +1,59 @@
-# make demo, make test: each works on a fresh clone with Python >= 3.11 and make.
+# make demo, make test: each works on a fresh clone with Python 3.11, 3.12 or 3.13, and make.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-STAMP := $(VENV)/.installed
 
-.PHONY: help demo test lint clean
+# The environment belongs to one Python; with another one it is made anew.
+VERSION_OF := -c 'import sys; print("%d.%d" % sys.version_info[:2])'
+VERSION := $(shell $(PYTHON) $(VERSION_OF))
+MADE_WITH := $(shell $(BIN)/python $(VERSION_OF) 2>/dev/null)
+ENV := $(VENV)/.env-$(VERSION)
+CORE := $(VENV)/.core-$(VERSION)
+DEV := $(VENV)/.dev-$(VERSION)
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+
+.PHONY: help demo test test-long lint dist clean
 
 help:
-	@echo "make demo   throw balls at a character made of the embedded clips (out/demo)"
-	@echo "make test   run the tests"
-	@echo "make lint   ruff, pyright, import-linter"
-	@echo "make clean  remove $(VENV) and out"
+	@echo "make demo       throw balls at a character made of the embedded clips (out/demo)"
+	@echo "make test       run the tests"
+	@echo "make test-long  run those that take minutes"
+	@echo "make lint       ruff, pyright, import-linter"
+	@echo "make dist       build the wheel and the source archive (dist)"
+	@echo "make clean      remove $(VENV), out and dist"
+	@echo "PYTHON=python3.12 chooses the Python"
 
-$(STAMP): pyproject.toml
+$(ENV):
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if v >= (3, 11) else f"mgjax needs Python 3.11 or newer, {sys.executable} is {v[0]}.{v[1]}; try: make PYTHON=python3.12")'
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
-	@touch $(STAMP)
+	@test "$(MADE_WITH)" = "$(VERSION)" || $(PYTHON) -m venv --clear $(VENV)
+	@touch $@
 
-demo: $(STAMP)
+# What running needs, and all that developing needs.
+$(CORE): $(ENV) pyproject.toml
+	$(PIP) -e .
+	@touch $@
+
+$(DEV): $(ENV) pyproject.toml
+	$(PIP) -e '.[dev]'
+	@touch $(CORE) $@
+
+demo: $(CORE)
 	$(BIN)/mgjax demo --out out/demo
 
-test: $(STAMP)
+test: $(DEV)
 	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
 
-lint: $(STAMP)
+test-long: $(DEV)
+	$(BIN)/python -m pytest -m long
+
+lint: $(DEV)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
 	$(BIN)/lint-imports
 
+dist: $(DEV)
+	$(BIN)/python -m build --outdir dist
+
 clean:
-	rm -rf $(VENV) out
+	rm -rf $(VENV) out dist

@@ -34,7 +34,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from mgjax.avoidance import EnergyConfig, ball_attack
-from mgjax.avoidance.many.attacks import AVOIDED
+from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.many.settings import sweep_energies
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.core.xla.compilation import enable_cache
@@ -98,7 +98,7 @@ print(f"{len(grid) + len(plane)} settings, {BALLS} balls")
 
 # %%
 settings = range(len(grid) + len(plane))
-avoided = np.array([answer.status == AVOIDED for answer in answers])
+avoided = np.array([answer.status == Status.AVOIDED.code for answer in answers])
 clearance = np.where(avoided, [answer.clearance for answer in answers], np.nan)
 scaling = np.where(avoided, [np.abs(np.log(answer.time_scale)) for answer in answers], np.nan)
 changed = np.array([[answer.path(g) != answer.path(0) for g in settings] for answer in answers])

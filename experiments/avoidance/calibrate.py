@@ -23,12 +23,12 @@ from experiments.avoidance.throws import percentiles
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
@@ -105,7 +105,8 @@ def penetrations(
     """e' of all candidates that stay clear of the cropped attack."""
     config = AvoidanceConfig()
     config = replace(config, energy=replace(config.energy, form=form))
-    tables, device = search_tables(graph, config.body_rate, config.speed)
+    prepared = prepared_for(graph, config)
+    tables, device = prepared.tables, prepared.device
     found: list[np.ndarray] = []
     for node, attack in balls:
         crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)

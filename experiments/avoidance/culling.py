@@ -27,10 +27,10 @@ from experiments.avoidance.culling_measure import (
 from experiments.avoidance.culling_plot import errors_figure, slices_figure, times_figure
 from experiments.avoidance.graphs import graph_of
 from experiments.avoidance.throws import standard_throws
-from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling.pictures import Form, Slices, build_slices, picture_bytes
 from mgjax.avoidance.culling.rasterise import PIXEL_M
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.runs.experiment import Results, experiment
 
 
@@ -73,7 +73,7 @@ class Config:
 def run(config: Config) -> Results:
     """Counts errors over thresholds, compares the answers, and measures times."""
     graph, settings = graph_of(config.graph), config.avoidance
-    tables, _ = search_tables(graph, settings.body_rate, settings.speed)
+    tables = prepared_for(graph, settings).tables
     start = time.perf_counter()
     slices = build_slices(tables)
     build_s = time.perf_counter() - start

@@ -13,17 +13,18 @@ import numpy as np
 from experiments.avoidance.throws import Throws
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.body.edge_tables import EdgeTables
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.choice.choosing import best_of
-from mgjax.avoidance.choice.continuation import play_on
+from mgjax.avoidance.choice.continuation import continue_clear
+from mgjax.avoidance.choice.search import Query
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling.candidates import timing_of
 from mgjax.avoidance.culling.cull import cull, overlap_pixels
 from mgjax.avoidance.culling.pictures import Form, Slices
 from mgjax.avoidance.culling.rasterise import draw_attack
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.graph.types import MotionGraph
@@ -94,7 +95,8 @@ def check_all(scene: Scene, balls: list[Ball], most: int, seed: int) -> dict[str
         for row in np.sort(rng.permutation(np.flatnonzero(status == OK))[:most]):
             length = int(ball.candidates.length[row])
             walk = make_walk(scene.graph, ball.candidates.edges[row, :length], scales[row, :length])
-            played = play_on(scene.graph, ball.attack, walk, scene.settings)
+            posed = prepared_for(scene.graph, scene.settings).posed
+            played = continue_clear(posed, ball.attack, walk, scene.settings)
             rows["ball"].append(number)
             rows["clear"].append(played.clearance >= CLEAR_M and played.clear_until is None)
             for form in FORMS:
@@ -105,7 +107,9 @@ def check_all(scene: Scene, balls: list[Ball], most: int, seed: int) -> dict[str
 
 def timed(scene: Scene, ball: Ball) -> tuple[np.ndarray, np.ndarray]:
     """Status and scales of the candidates (eqs 2–3): culling needs to know when edges play."""
-    return timing_of(scene.graph, ball.candidates, ball.crop, scene.settings)
+    device = prepared_for(scene.graph, scene.settings).device
+    rate = scene.graph.frame_rate
+    return timing_of(device, ball.candidates, ball.crop, scene.settings, frame_rate=rate)
 
 
 def culled(scene: Scene, ball: Ball, scales: np.ndarray, form: Form) -> Candidates:
@@ -131,7 +135,8 @@ def _search(scene: Scene, ball: Ball, candidates: Candidates) -> bool:
     """Judges candidates and checks the best; whether one of them avoids the ball."""
     if not len(candidates.length):
         return False
-    settled = best_of(scene.graph, ball.node, ball.attack, ball.crop, candidates, scene.settings)
+    query = Query(node=ball.node, attack=ball.attack, crop=ball.crop, candidates=candidates)
+    settled = best_of(prepared_for(scene.graph, scene.settings), query, scene.settings)
     return settled.choice is not None and settled.choice.status == "avoided"
 
 
@@ -178,7 +183,7 @@ def _times_of_ball(scene: Scene, ball: Ball, repeats: int) -> dict[str, Any]:
     """
     scales = timed(scene, ball)[1]
     kept = {form: culled(scene, ball, scales, form) for form in FORMS}
-    _, device = search_tables(scene.graph, scene.settings.body_rate, scene.settings.speed)
+    device = prepared_for(scene.graph, scene.settings).device
 
     def judged(candidates: Candidates) -> None:
         if len(candidates.length):

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from experiments.avoidance.throws import OUTCOMES, Throws, percentiles, summary
+from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
-from mgjax.avoidance.many.attacks import STATUSES
 from mgjax.avoidance.many.settings import Swept, sweep_energies
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
@@ -94,7 +94,7 @@ def measure(
 def _answer(swept: Swept, setting: int) -> Answer:
     part = swept.part(setting)
     candidates = 0 if swept.candidates is None else len(swept.candidates.length)
-    outcome = STATUSES[swept.status[setting]]
+    outcome = tuple(Status)[swept.status[setting]]
     if outcome == "no_candidate":
         outcome = "not_near" if swept.crop is None else outcome
         outcome = "no_time_scale" if candidates else outcome

@@ -13,10 +13,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.avoidance.graphs import graph_of
-from mgjax.avoidance.body.device_tables import search_tables
-from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index.build import build_index
-from mgjax.avoidance.index.index import FILE_NAME, GridIndex, load_index
+from mgjax.avoidance.index.files import FILE_NAME, load_index
+from mgjax.avoidance.index.index import GridIndex
 from mgjax.bench.selection import MANY, condition_rows, random_balls
 from mgjax.core.xla.compilation import one_thread
 from mgjax.graph.types import MotionGraph
@@ -92,8 +91,7 @@ def run(config: Config) -> Results:
 def _index(graph: MotionGraph, folder: str) -> GridIndex:
     if folder and (Path(folder) / FILE_NAME).exists():
         return load_index(folder, graph)
-    settings = AvoidanceConfig()
-    return build_index(graph, search_tables(graph, settings.body_rate, settings.speed)[0])
+    return build_index(graph)
 
 
 def remaining_seconds(graph: MotionGraph, count: int, seed: int) -> np.ndarray:

@@ -20,6 +20,7 @@ from experiments.avoidance.warp_plot import changes_figure, profiles_figure
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.selection import both_timings, write
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.avoidance.timing.time_warp import part_moments, speed_change
 from mgjax.core.errors import AttackError
@@ -98,7 +99,7 @@ def _answers(graph: MotionGraph, throws: Throws, config: AvoidanceConfig) -> lis
         if choice.part is None:
             continue
         linear, smooth = (
-            write(graph, attack, choice, replace(config, warp=form))
+            write(prepared_for(graph, config), attack, choice, replace(config, warp=form))
             for form in ("linear", "smooth")
         )
         timings = both_timings(graph, choice)

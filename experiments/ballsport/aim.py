@@ -22,7 +22,7 @@ import numpy as np
 from experiments.ballsport.aim_checks import Passes, checked, random_passes
 from experiments.ballsport.aim_plot import convergence_figure, frames_figure, success_figure
 from mgjax.ballsport import BallPhysics, aim, aim_batch, choose_frame, fly
-from mgjax.ballsport.aiming.problem import Launch, flight_arcs, make_task
+from mgjax.ballsport.aiming.problem import Launch, flight_arcs, make_problem
 from mgjax.ballsport.aiming.scan import guess_launch
 from mgjax.ballsport.aiming.updates import SECOND, differential_updates
 from mgjax.ballsport.ball.flight import contact_time
@@ -50,7 +50,7 @@ class Config:
     distances: tuple[float, ...] = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0)
     """From start to target over the floor, m."""
     heights: tuple[float, ...] = (0.11, 0.5, 1.2, 2.5)
-    """Of the target's centre, m; the ball's radius is 0.11 m."""
+    """Heights of the target's centre, m; the ball's radius is 0.11 m."""
     max_speed: float = 30.0
     """Largest kick speed, m/s."""
     repeats: int = 41
@@ -96,14 +96,14 @@ def _success(config: Config, bounces: int, physics: BallPhysics) -> dict[str, An
     for index in np.ndindex(*shape):
         place = {"height": config.heights[index[0]], "distance": config.distances[index[1]]}
         passes = random_passes(max(config.passes // 10, 4), config.seed, **place)
-        found, miss, counts = _aimed(config, passes, bounces, physics)
-        met = (found.status == 0) & (miss <= MET_M) & (counts == bounces)
+        aimed, miss, counts = _aimed(config, passes, bounces, physics)
+        met = (aimed.status == 0) & (miss <= MET_M) & (counts == bounces)
         share[index], total = met.mean(), total + len(met)
         worst, wrong = max(worst, miss.max()), wrong + int((counts != bounces).sum())
-        speed[index] = np.median(np.linalg.norm(found.velocity, axis=1))
-        change[index] = np.median(np.linalg.norm(found.velocity - passes.guesses, axis=1))
+        speed[index] = np.median(np.linalg.norm(aimed.velocity, axis=1))
+        change[index] = np.median(np.linalg.norm(aimed.velocity - passes.guesses, axis=1))
     passes = random_passes(config.passes, config.seed + 1)
-    found, miss, counts = _aimed(config, passes, bounces, physics)
+    aimed, miss, counts = _aimed(config, passes, bounces, physics)
     return {
         "share_met": share,
         "median_speed_m_s": speed,
@@ -111,14 +111,14 @@ def _success(config: Config, bounces: int, physics: BallPhysics) -> dict[str, An
         "cells_passes": total,
         "cells_largest_miss_mm": 1e3 * worst,
         "cells_other_bounces": wrong,
-        "random_share_met": np.mean((miss <= MET_M) & (counts == bounces) & (found.status == 0)),
+        "random_share_met": np.mean((miss <= MET_M) & (counts == bounces) & (aimed.status == 0)),
         "random_largest_miss_mm": 1e3 * miss.max(),
         "random_other_bounces": int((counts != bounces).sum()),
     }
 
 
 def _aimed(config: Config, passes: Passes, bounces: int, physics: BallPhysics) -> Any:
-    found = aim_batch(
+    aimed = aim_batch(
         passes.starts,
         passes.targets,
         guesses=passes.guesses,
@@ -126,7 +126,7 @@ def _aimed(config: Config, passes: Passes, bounces: int, physics: BallPhysics) -
         physics=physics,
         max_speed=config.max_speed,
     )
-    return found, *checked(found, passes, physics)
+    return aimed, *checked(aimed, passes, physics)
 
 
 def _convergence(config: Config, bounces: int, physics: BallPhysics) -> dict[str, np.ndarray]:
@@ -142,19 +142,19 @@ def _curves(
     starts: Array, targets: Array, guesses: Array, most: Array, physics: BallPhysics, bounces: int
 ) -> dict[str, Array]:
     def one(start: Array, target: Array, guess: Array, limit: Array) -> dict[str, Array]:
-        task = make_task(start, target, guess, np.nan, SECOND, 30.0, None, physics)
-        begins = {"scan": guess_launch(task, bounces).launch, "bone": _plain(task, bounces)}
-        done = {k: differential_updates(task, v, bounces, limit) for k, v in begins.items()}
+        problem = make_problem(start, target, guess, np.nan, SECOND, 30.0, None, physics)
+        begins = {"scan": guess_launch(problem, bounces).launch, "bone": _plain(problem, bounces)}
+        done = {k: differential_updates(problem, v, bounces, limit) for k, v in begins.items()}
         return {k: jnp.where(d.kept, jnp.linalg.norm(d.miss), jnp.inf) for k, d in done.items()}
 
     over_limits = jax.vmap(one, (None, None, None, 0))
     return jax.vmap(over_limits, (0, 0, 0, None))(starts, targets, guesses, most)
 
 
-def _plain(task: Any, bounces: int) -> Launch:
+def _plain(problem: Any, bounces: int) -> Launch:
     """The bone's own velocity, until the middle of the arc after the wanted bounces."""
-    start, place, v = flight_arcs(task, task.guess, bounces)[-1]
-    return Launch(task.guess, start + contact_time(place[1], v, task.physics) / 2)
+    start, place, v = flight_arcs(problem, problem.guess, bounces)[-1]
+    return Launch(problem.guess, start + contact_time(place[1], v, problem.physics) / 2)
 
 
 def _times(config: Config, bounces: int, physics: BallPhysics) -> dict[str, Any]:
@@ -163,11 +163,11 @@ def _times(config: Config, bounces: int, physics: BallPhysics) -> dict[str, Any]
     Where others use the machine too, the ratio of a batch of 1,000 to the bare pass tells more.
     """
     passes = random_passes(config.passes, config.seed)
-    given = passes.starts[0], passes.targets[0]
+    first = passes.starts[0], passes.targets[0]
     numbers = jnp.ones(1_000_000, jnp.float32)
 
     def single() -> Any:
-        return aim(*given, bounces=bounces, guess=passes.guesses[0], physics=physics)
+        return aim(*first, bounces=bounces, guess=passes.guesses[0], physics=physics)
 
     def batch() -> Any:
         return aim_batch(
@@ -197,8 +197,8 @@ def _frames(physics: BallPhysics) -> dict[str, Any]:
     feet = np.stack([0.1 * u, 0.15 + 0.4 * (u + 1) ** 2 / 4, 0.45 * u], axis=1)
     speeds = np.stack([0.9 + 0 * u, 2.8 * (u + 1), 9.5 - 3 * u * u], axis=1)
     target = np.array([1.0, 0.45, 7.0])
-    found = choose_frame(feet, speeds, target, bounces=1, physics=physics)
-    frame = int(found.frame)
+    aimed = choose_frame(feet, speeds, target, bounces=1, physics=physics)
+    frame = int(aimed.frame)
 
     def curve(start: np.ndarray, velocity: Any, end: float) -> np.ndarray:
         times = np.linspace(0.0, end, 200).astype(np.float32)
@@ -206,20 +206,20 @@ def _frames(physics: BallPhysics) -> dict[str, Any]:
             fly(start.astype(np.float32), np.asarray(velocity), times, physics=physics)
         )
 
-    rows = [curve(p, v, 2.2) for p, v in zip(feet, found.velocities, strict=True)]
+    rows = [curve(p, v, 2.2) for p, v in zip(feet, aimed.velocities, strict=True)]
     return {
         "feet": feet,
         "speeds": speeds,
         "target": target,
         "curves": np.array(rows),
-        "chosen_curve": curve(feet[frame], found.velocities[frame], found.times[frame]),
-        "adjusted_curve": curve(feet[frame], found.aim.velocity, float(found.aim.time)),
+        "chosen_curve": curve(feet[frame], aimed.velocities[frame], aimed.times[frame]),
+        "adjusted_curve": curve(feet[frame], aimed.aim.velocity, float(aimed.aim.time)),
         "chosen": frame,
-        "distance_before_m": float(found.distances[frame]),
-        "miss_after_mm": 1e3 * float(found.aim.miss),
-        "flight_s": float(found.aim.time),
+        "distance_before_m": float(aimed.distances[frame]),
+        "miss_after_mm": 1e3 * float(aimed.aim.miss),
+        "flight_s": float(aimed.aim.time),
         "bone_speed_m_s": float(np.linalg.norm(speeds[frame])),
-        "ball_speed_m_s": float(np.linalg.norm(found.aim.velocity)),
+        "ball_speed_m_s": float(np.linalg.norm(aimed.aim.velocity)),
     }
 
 

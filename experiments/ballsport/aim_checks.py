@@ -31,12 +31,14 @@ def random_passes(
     unless they are given.
     """
     rng = np.random.default_rng(seed)
-    way = np.exp(rng.uniform(math.log(0.2), math.log(20.0), count))
-    way = way if distance is None else np.full(count, distance)
+    distances = np.exp(rng.uniform(math.log(0.2), math.log(20.0), count))
+    distances = distances if distance is None else np.full(count, distance)
     angle = rng.uniform(0, 2 * np.pi, count)
     starts = rng.uniform(-10, 10, (count, 3))
     starts[:, 1] = rng.choice([0.11, 0.15, 0.3, 1.0], count)
-    targets = starts + np.stack([way * np.sin(angle), 0 * way, way * np.cos(angle)], axis=1)
+    targets = starts + np.stack(
+        [distances * np.sin(angle), 0 * distances, distances * np.cos(angle)], axis=1
+    )
     targets[:, 1] = rng.choice([0.11, 0.3, 0.8, 1.7, 2.5], count) if height is None else height
     angle, speed = angle + rng.normal(0, 0.5, count), rng.uniform(2, 14, count)
     up = rng.uniform(-2, 6, count)
@@ -70,9 +72,9 @@ def arrival(
     return x, bounces
 
 
-def checked(found: Aim, passes: Passes, physics: BallPhysics) -> tuple[np.ndarray, np.ndarray]:
+def checked(aimed: Aim, passes: Passes, physics: BallPhysics) -> tuple[np.ndarray, np.ndarray]:
     """Distance from the target, m, and bounces of each pass, by :func:`arrival`. [N]"""
-    velocities, times = np.asarray(found.velocity), np.asarray(found.time)
+    velocities, times = np.asarray(aimed.velocity), np.asarray(aimed.time)
     rows = [
         arrival(start, velocity, float(time), physics)
         for start, velocity, time in zip(passes.starts, velocities, times, strict=True)

@@ -71,10 +71,10 @@ class Config:
         }
 
 
-def compare(found: list[BoneHit], kicks: list[Kick], frame_rate: float, first: int) -> dict:
+def compare(hits: list[BoneHit], kicks: list[Kick], frame_rate: float, first: int) -> dict:
     """Each kick with its hit, the hits that belong to none and the kicks that were missed."""
     open_kicks, rows, spurious = list(kicks), [], []
-    for item in found:
+    for item in hits:
         at = (item.hit.fastest + first) / frame_rate
         near = [
             k
@@ -106,22 +106,22 @@ def compare(found: list[BoneHit], kicks: list[Kick], frame_rate: float, first: i
 
 
 def streamed(clip: Clip, positions: np.ndarray, config: AnalysisConfig) -> dict[str, Any]:
-    """The same hits frame by frame: whether they are equal, the delay, the time per frame."""
+    """Hits of a stream: whether they equal those of the whole, their delay, the time per frame."""
     rate = clip.motion.frame_rate
     live = LiveAnalysis(clip.skeleton, rate, config=config)
-    found: list[BoneHit] = []
+    hits: list[BoneHit] = []
     delays: list[float] = []
     seconds: list[float] = []
     for number, frame in enumerate(positions):
         start = time.perf_counter()
         new = live.push(frame)
         seconds.append(time.perf_counter() - start)
-        found += new
+        hits += new
         delays += [(number + 1 - item.hit.stop) / rate for item in new]
-    found += live.finish()
-    whole = analyse(clip.skeleton, positions, rate, config=config)
-    order = sorted(found, key=lambda x: (x.hit.start, x.bone))
-    expected = sorted(whole, key=lambda x: (x.hit.start, x.bone))
+    hits += live.finish()
+    offline = analyse(clip.skeleton, positions, rate, config=config)
+    order = sorted(hits, key=lambda x: (x.hit.start, x.bone))
+    expected = sorted(offline, key=lambda x: (x.hit.start, x.bone))
     same = [x.hit for x in order] == [x.hit for x in expected]
     gap = max(
         (
@@ -184,14 +184,14 @@ def run(config: Config) -> Results:
     shown: dict[str, tuple[Clip, np.ndarray, list[BoneHit], list[Kick]]] = {}
     for clip in cut:
         positions = np.asarray(global_positions(clip.skeleton, clip.motion))
-        found = analyse(
+        hits = analyse(
             clip.skeleton, positions, clip.motion.frame_rate, config=config.analysis, bones=FEET
         )
         labelled = shifted[clip.name]
-        per_clip[clip.name] = compare(found, labelled, clip.motion.frame_rate, 0)
+        per_clip[clip.name] = compare(hits, labelled, clip.motion.frame_rate, 0)
         stream.append(streamed(clip, positions, config.analysis))
         if clip.name in config.shown:
-            shown[clip.name] = (clip, positions, found, labelled)
+            shown[clip.name] = (clip, positions, hits, labelled)
     errors = [row["error_s"] for item in per_clip.values() for row in item["found"]]
     delays = [d for item in stream for d in item["delays_s"]]
     pushes = np.concatenate([item["seconds"] for item in stream])

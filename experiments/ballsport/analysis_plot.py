@@ -26,9 +26,9 @@ def curves_figure(shown: list[Shown], config: AnalysisConfig) -> Figure:
     for number, (clip, positions, found, kicks) in enumerate(shown):
         for foot, bone in enumerate(FEET):
             hits = [item for item in found if item.bone == bone]
-            mine = [k for k in kicks if f"{k.foot}_foot" == bone]
+            own = [k for k in kicks if f"{k.foot}_foot" == bone]
             axes = rows[2 * number + foot]
-            _curve(axes, clip, positions, bone, hits, mine, config)
+            _curve(axes, clip, positions, bone, hits, own, config)
             axes.set_title(f"{clip.name}, {bone.replace('_', ' ')}", fontsize=9, loc="left")
     handles, names = rows[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside upper center", ncols=8, frameon=False, fontsize=8)

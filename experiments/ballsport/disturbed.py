@@ -46,9 +46,9 @@ def find_again(
     missed, spurious = [], 0
     for clip, (first, stop) in enumerate(zip(clips.clip_starts, clips.clip_stops, strict=True)):
         shown = disturb(clips.positions[first:stop].astype(np.float64))
-        found: list[BoneHit] = analyse(clips.skeleton, shown, rate, bones=FEET, config=settings)
+        hits: list[BoneHit] = analyse(clips.skeleton, shown, rate, bones=FEET, config=settings)
         wanted = [int(h) for h in np.flatnonzero(clips.hit_clip == clip)]
-        for item in found:
+        for item in hits:
             at = item.hit.fastest + first
             near = [
                 h

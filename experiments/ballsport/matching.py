@@ -121,14 +121,14 @@ def judge(clips: ClipSet, found: Found, config: Config, size: float) -> dict[str
     ):
         far = distance_matrix(live, stored, match_weights(match))[:, : clips.num_hits]
         far = np.where(own, np.inf, far)
-        for way, excluded in (("any_foot", own), ("same_foot", own | other_foot)):
+        for comparison, excluded in (("any_foot", own), ("same_foot", own | other_foot)):
             picked = np.argmin(np.where(excluded, np.inf, far), axis=1)
             right = kinds[picked] == kinds[found.hit]
             close = np.isin(kinds[found.hit], KINDS[:2])
             swapped = close & ~right & np.isin(kinds[picked], KINDS[:2])
             matrix = np.zeros((6, 6), int)
             np.add.at(matrix, (classes[found.hit], classes[picked]), 1)
-            row[f"{name}_{way}"] = {
+            row[f"{name}_{comparison}"] = {
                 "kind_right": float(right.mean()),
                 "kind_right_made": float(right[made[found.hit]].mean()),
                 "toss_pass_confused": float(swapped.sum() / max(close.sum(), 1)),

@@ -24,14 +24,16 @@ def confusion_figure(conditions: dict[str, Any]) -> Figure:
     figure = Figure(figsize=(14, 10), layout="constrained")
     upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.2, 1))[:, 0]
     plain = conditions["as captured"]
-    for axes, (way, title) in zip(upper.subplots(1, 3), WAYS.items(), strict=True):
-        _matrix(axes, np.asarray(plain[way]["confusion"]))
-        axes.set_title(f"{title}:\nkind right {100 * plain[way]['kind_right']:.1f} %", fontsize=9)
+    for axes, (comparison, title) in zip(upper.subplots(1, 3), WAYS.items(), strict=True):
+        _matrix(axes, np.asarray(plain[comparison]["confusion"]))
+        axes.set_title(
+            f"{title}:\nkind right {100 * plain[comparison]['kind_right']:.1f} %", fontsize=9
+        )
     axes = lower.subplots()
     place = np.arange(len(conditions))
     colours = ("#2a7f4f", "#1f6fb4", "#d8a31a")
-    for number, ((way, title), colour) in enumerate(zip(WAYS.items(), colours, strict=True)):
-        values = [100 * row[way]["kind_right"] for row in conditions.values()]
+    for number, ((comparison, title), colour) in enumerate(zip(WAYS.items(), colours, strict=True)):
+        values = [100 * row[comparison]["kind_right"] for row in conditions.values()]
         axes.bar(place + 0.2 * (number - 1.5), values, 0.2, color=colour, label=f"kind, {title}")
     feet = [100 * row["foot_right_by_analysis"] for row in conditions.values()]
     axes.bar(place + 0.3, feet, 0.2, color="#9aa0a6", label="foot, by the analysis")

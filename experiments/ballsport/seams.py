@@ -45,5 +45,5 @@ def _speeds(positions: np.ndarray, rate: float) -> tuple[float, float]:
 
 
 def _own_speeds(clips: ClipSet, start: int, stop: int) -> tuple[float, float]:
-    """The same of a piece before it is joined."""
+    """Largest joint speed and change of velocity of a piece before it is joined, m/s."""
     return _speeds(clips.positions[start:stop], clips.motion.frame_rate)

@@ -20,7 +20,8 @@ from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index.build import build_index
-from mgjax.avoidance.index.index import GridIndex, lookup, paths_per_cell
+from mgjax.avoidance.index.cells import HEIGHTS
+from mgjax.avoidance.index.index import GridIndex
 from mgjax.avoidance.index.swept_cells import swept_cells
 from mgjax.core.xla.compilation import enable_cache
 from mgjax.graph.files import load_graph
@@ -37,12 +38,23 @@ def ball(rng: np.random.Generator) -> Attack:
     return ball_attack(start, at, speed=10.0, arrives=1.2)
 
 
-def build_row(graph: MotionGraph, tables: EdgeTables) -> tuple[dict[str, Any], GridIndex]:
+def paths_per_cell(index: GridIndex, node: int) -> np.ndarray:
+    """How many paths touch each non-empty cell of a node. [M]"""
+    paths = np.arange(index.node_first[node], index.node_first[node + 1])
+    _, columns, masks = index.columns(paths)
+    counts = [
+        np.bincount(columns[(masks >> np.uint32(bit)) & 1 == 1], minlength=1)
+        for bit in range(HEIGHTS)
+    ]
+    return np.concatenate([c[c > 0] for c in counts])
+
+
+def build_row(graph: MotionGraph) -> tuple[dict[str, Any], GridIndex]:
     """Builds twice: the first time also compiles, or loads the programs."""
     start = time.perf_counter()
-    build_index(graph, tables)
+    build_index(graph)
     first, start, busy = time.perf_counter() - start, time.perf_counter(), time.process_time()
-    index = build_index(graph, tables)
+    index = build_index(graph)
     seconds, cpu = time.perf_counter() - start, time.process_time() - busy
     rng = np.random.default_rng(0)
     filled = np.flatnonzero(np.diff(index.node_first))
@@ -81,7 +93,10 @@ def lookup_row(
         clock = [time.perf_counter()]
         cells = swept_cells(attack, crop)
         clock.append(time.perf_counter())
-        candidates = lookup(index, node, cells, crop.middle, config.T_window)
+        paths = None if cells is None else index.in_time(node, crop.middle, config.T_window)
+        candidates = None
+        if cells is not None and paths is not None:
+            candidates = index.walks(paths[index.touched_by(paths, cells)])
         clock.append(time.perf_counter())
         every = enumerate_candidates(
             graph, tables, node, crop.middle, window=config.T_window, capacity=1_000_000
@@ -108,7 +123,7 @@ def lookup_row(
 def rows(folder: str) -> list[dict[str, Any]]:
     graph, config = load_graph(folder), AvoidanceConfig()
     tables = edge_tables(graph, config.body_rate)
-    built, index = build_row(graph, tables)
+    built, index = build_row(graph)
     return [built, lookup_row(graph, tables, index, config)]
 
 

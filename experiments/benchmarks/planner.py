@@ -24,6 +24,7 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.transform import moved
 from mgjax.avoidance.choice.choosing import choose
+from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.play.clocks import SimulatedClock, SimulatedSearches, ThreadSearches, WallClock
 from mgjax.avoidance.play.planner import Planner
@@ -93,7 +94,7 @@ def soak(
     assert counts["open"] == 0
     assert answered == counts["attacks"]
     assert sorted(a.number for a in planner.answers) == list(range(counts["attacks"]))
-    searched = dict.fromkeys(("avoided", "hit", "no_candidate", "late"), 0)
+    searched: dict[str, int] = dict.fromkeys((*Status, "late"), 0)
     kept = 0
     for answer in planner.answers:
         searched[answer.search] += 1

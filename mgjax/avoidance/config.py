@@ -9,6 +9,19 @@ from weakref import WeakValueDictionary
 
 from mgjax.core.errors import ConfigError
 
+BALL_RADIUS_M = 0.12
+"""Of a ball where nothing else is said."""
+BALL_SPEED_M_S = 10.0
+"""Of the balls by which the coverage of a graph is measured."""
+HEIGHTS_M = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7)
+"""Where they pass the body's axis: from the shins to the head."""
+ARRIVALS_S = (0.8, 1.2, 1.6)
+"""When they are there, from now."""
+DIRECTIONS = 16
+"""How many directions they come from, all around."""
+NODES = 256
+"""At how many nodes of the graph."""
+
 Number: TypeAlias = Any
 """A Python float, or a jax scalar: settings that are traced, so that sweeps and gradients go
 through them without a new compilation."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 FAR = 1e6
+"""Clearance where no attack is ever near, m: large, but finite."""
 
 
 EXPORT_RATE = 120.0

@@ -3,13 +3,77 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
-FEET = ("left_foot", "right_foot")
-HANDS = ("left_hand", "right_hand")
-HIT_BONES = (*FEET, *HANDS, "head")
-"""What can hit a ball."""
+from mgjax.core.errors import ConfigError, SkeletonError
+from mgjax.core.ranges import Ranges, check_ranges
+
+
+@dataclass(frozen=True, kw_only=True)
+class HitBone:
+    """What can hit a ball.
+
+    Attributes:
+        name: such as ``"left_foot"``.
+        kind: of the bone.
+        side: of the body; "" for the head.
+        roles: of the joint whose path is that of the bone: the first that a skeleton has.
+        at_end: where only the last of the roles is there, its end joint is meant, if it has one.
+        radius_m: of the bone's surface about the joint: a ball is met by a sphere of this size.
+    """
+
+    name: str
+    kind: Literal["foot", "hand", "head"]
+    side: Literal["left", "right", ""]
+    roles: tuple[str, ...]
+    at_end: bool
+    radius_m: float
+
+
+def _foot(side: Literal["left", "right"]) -> HitBone:
+    """The ball of the foot."""
+    roles = (f"{side}_toe", f"{side}_ankle")
+    return HitBone(
+        name=f"{side}_foot", kind="foot", side=side, roles=roles, at_end=True, radius_m=0.06
+    )
+
+
+def _hand(side: Literal["left", "right"]) -> HitBone:
+    """The fingers, or the wrist where there are none."""
+    roles = (f"{side}_hand", f"{side}_wrist")
+    return HitBone(
+        name=f"{side}_hand", kind="hand", side=side, roles=roles, at_end=False, radius_m=0.05
+    )
+
+
+_HEAD = HitBone(name="head", kind="head", side="", roles=("head",), at_end=True, radius_m=0.09)
+"""The end of the head, or the head."""
+
+BONE_TABLE = {
+    bone.name: bone
+    for bone in (_foot("left"), _foot("right"), _hand("left"), _hand("right"), _HEAD)
+}
+"""The hit bones by name."""
+HIT_BONES = tuple(BONE_TABLE)
+FEET = tuple(name for name, bone in BONE_TABLE.items() if bone.kind == "foot")
 KINDS = ("toss", "pass", "attack")
 """To the nearest player, to one at a medium distance, and a strong one to an opponent (§3)."""
+
+MOST_BOUNCES = 4
+"""Bounces of a pass that can be asked for."""
+MAX_SPEED_M_S = 30.0
+"""Largest kick speed unless given: about the fastest that is measured in football."""
+
+
+def hit_bone(name: str) -> HitBone:
+    """The hit bone of a name.
+
+    Raises:
+        SkeletonError: there is none.
+    """
+    if name not in BONE_TABLE:
+        raise SkeletonError(f"got the hit bone {name!r}, expected a foot, a hand or the head")
+    return BONE_TABLE[name]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,3 +164,68 @@ class ClipSetConfig:
     analysis: AnalysisConfig = AnalysisConfig()
     kinds: KindConfig = KindConfig()
     transition: TransitionConfig = TransitionConfig()
+
+
+_ANALYSIS: Ranges = {
+    "height_m": (-1000.0, 1000.0),
+    "merge_s": (0.0, 60.0),
+    "reach_s": (0.0, 60.0),
+    "margin_m": (0.0, 1000.0),
+    "smoothing_s": (0.0, 60.0),
+}
+_MATCH: Ranges = {"w_v": (0.0, 1e9), "w_m": (0.0, 1e9), "w_t": (0.0, 1e9)}
+_TRANSITION: Ranges = {
+    "seconds": (1e-3, 60.0),
+    "w_p": (0.0, 1e9),
+    "w_v": (0.0, 1e9),
+    "loop_s": (0.0, 1e6),
+}
+_KIND: Ranges = {"pass_m_s": (0.0, 1000.0), "attack_m_s": (0.0, 1000.0)}
+_CLIP_SET: Ranges = {"frame_rate": (1.0, 10000.0)}
+
+
+def validate_analysis(config: AnalysisConfig, place: str = "") -> None:
+    """Raises :class:`ConfigError` unless all thresholds are usable."""
+    check_ranges(config, _ANALYSIS, place)
+
+
+def validate_match(config: MatchConfig, place: str = "") -> None:
+    """Raises :class:`ConfigError` unless the weights are usable."""
+    check_ranges(config, _MATCH, place)
+    if not max(config.w_v, config.w_m, config.w_t) > 0:
+        raise ConfigError(f"got {place}w_v = w_m = w_t = 0, expected one above 0")
+
+
+def validate_transition(config: TransitionConfig, place: str = "") -> None:
+    """Raises :class:`ConfigError` unless lengths and weights are usable."""
+    check_ranges(config, _TRANSITION, place)
+    if not max(*config.w_p, *config.w_v) > 0:
+        raise ConfigError(f"got {place}w_p and w_v = 0, expected one above 0")
+
+
+def validate_kinds(config: KindConfig, place: str = "") -> None:
+    """Raises :class:`ConfigError` unless the speeds are in rising order."""
+    check_ranges(config, _KIND, place)
+    if config.attack_m_s < config.pass_m_s:
+        raise ConfigError(
+            f"got {place}attack_m_s = {config.attack_m_s!r}, expected at least pass_m_s ="
+            f" {config.pass_m_s!r}"
+        )
+
+
+def validate_bones(bones: tuple[str, ...], place: str = "") -> None:
+    """Raises :class:`ConfigError` unless these are hit bones, at least one and each once."""
+    for bone in bones:
+        if bone not in BONE_TABLE:
+            raise ConfigError(f"got {place}bones with {bone!r}, expected {', '.join(HIT_BONES)}")
+    if not bones or len(set(bones)) < len(bones):
+        raise ConfigError(f"got {place}bones = {list(bones)}, expected different ones, not none")
+
+
+def validate_clip_set(config: ClipSetConfig, place: str = "") -> None:
+    """Raises :class:`ConfigError` naming the first setting that cannot be."""
+    check_ranges(config, _CLIP_SET, place)
+    validate_bones(config.bones, place)
+    validate_analysis(config.analysis, f"{place}analysis.")
+    validate_kinds(config.kinds, f"{place}kinds.")
+    validate_transition(config.transition, f"{place}transition.")

@@ -14,14 +14,16 @@ from tqdm import tqdm
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
-from mgjax.avoidance.choice.choosing import best_of, choose, lookup_candidates
+from mgjax.avoidance.choice.choosing import best_of, choose
+from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.choice.search import Query
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.culling.candidates import PIXELS, graph_slices
-from mgjax.avoidance.energy.score import judge
-from mgjax.avoidance.index.index import GridIndex
+from mgjax.avoidance.culling.candidates import PIXELS
+from mgjax.avoidance.energy.evaluate import judge
+from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.many.attacks import select_batch
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.graph.types import NO_EDGE, MotionGraph
 
 CONDITIONS = ((True, True), (False, True), (True, False), (False, False))
@@ -56,7 +58,7 @@ def random_balls(graph: MotionGraph, count: int, seed: int) -> list[Ball]:
 
 def condition_rows(
     graph: MotionGraph,
-    index: GridIndex,
+    index: CandidateIndex,
     balls: Sequence[Ball],
     *,
     repeats: int = 3,
@@ -69,8 +71,7 @@ def condition_rows(
     where the index holds some, else those enumerated; the slices then drop some.
     """
     configs = {True: AvoidanceConfig(culling="binned"), False: AvoidanceConfig()}
-    if balls:
-        graph_slices(graph, configs[True].body_rate)
+    prepared = {sliced: prepared_for(graph, config) for sliced, config in configs.items()}
     first, seconds = np.zeros(4), np.zeros((4, repeats, len(balls)))
     statuses = np.zeros((4, len(balls)), dtype=object)
     counts = np.zeros((2, len(balls)), dtype=np.int64)
@@ -80,7 +81,7 @@ def condition_rows(
             for b, ball in enumerate(balls):
                 begin = time.perf_counter()
                 choice = choose(
-                    graph,
+                    prepared[sliced],
                     ball.node,
                     ball.attack,
                     config=configs[sliced],
@@ -93,7 +94,7 @@ def condition_rows(
                 else:
                     seconds[c, turn, b] = passed
     for b, ball in enumerate(balls):
-        counts[:, b], answered[b] = _counts(graph, index, ball, configs[False])
+        counts[:, b], answered[b] = _counts(prepared[False], index, ball, configs[False])
     times = np.median(seconds, axis=1) * 1e3
     rows = []
     for c, (looked_up, sliced) in enumerate(CONDITIONS):
@@ -120,21 +121,28 @@ def condition_rows(
 
 
 def _counts(
-    graph: MotionGraph, index: GridIndex, ball: Ball, config: AvoidanceConfig
+    prepared: Prepared, index: CandidateIndex, ball: Ball, config: AvoidanceConfig
 ) -> tuple[tuple[int, int], bool]:
     """Candidates looked up and enumerated; whether the index answers."""
     crop = crop_attack(ball.attack, radius=config.crop_radius_m, height=config.crop_height_m)
     assert crop is not None
-    tables, _ = search_tables(graph, config.body_rate, config.speed)
     every = enumerate_candidates(
-        graph, tables, ball.node, crop.middle, window=config.T_window, capacity=config.capacity
+        prepared.graph,
+        prepared.tables,
+        ball.node,
+        crop.middle,
+        window=config.T_window,
+        capacity=config.capacity,
     )
-    found = lookup_candidates(index, ball.node, ball.attack, crop, config)
-    if found is None or not len(found.length):
+    known = index.in_time(ball.node, crop.middle, config.T_window)
+    touched = None if known is None else index.touched(known, ball.attack, crop)
+    if known is None or touched is None or not touched.any():
         return (0, len(every.length)), False
-    settled = best_of(graph, ball.node, ball.attack, crop, found, config)
+    found = index.walks(known[touched])
+    query = Query(node=ball.node, attack=ball.attack, crop=crop, candidates=found)
+    decision = best_of(prepared, query, config)
     # Where the index holds nothing that is clear, the other candidates are enumerated after all.
-    answered = settled.choice is not None and settled.choice.status == "avoided"
+    answered = decision.choice is not None and decision.choice.status == Status.AVOIDED
     return (len(found.length), len(every.length)), answered
 
 
@@ -150,7 +158,7 @@ def evaluation_rows(
 ) -> list[dict[str, Any]]:
     """The evaluation alone (timing and energies) of given numbers of candidates."""
     config = AvoidanceConfig()
-    _, device = search_tables(graph, config.body_rate, config.speed)
+    device = prepared_for(graph, config).device
     crop = crop_attack(ball.attack, radius=config.crop_radius_m, height=config.crop_height_m)
     assert crop is not None
     pool = _many_candidates(graph, max(sizes), crop.middle)
@@ -171,7 +179,7 @@ def evaluation_rows(
 def _many_candidates(graph: MotionGraph, count: int, t_attack: float) -> Candidates:
     """Real candidates of as many nodes as it takes."""
     config = AvoidanceConfig()
-    tables, _ = search_tables(graph, config.body_rate, config.speed)
+    tables = prepared_for(graph, config).tables
     rng = np.random.default_rng(0)
     edges, length, part, total = [], [], [], 0
     while total < count:
@@ -239,7 +247,7 @@ def _timed(work: Callable[[], Any], repeats: int) -> dict[str, Any]:
 
 
 def selection_rows(
-    graph: MotionGraph, index: GridIndex, *, balls: int = 200, progress: bool = False
+    graph: MotionGraph, index: CandidateIndex, *, balls: int = 200, progress: bool = False
 ) -> dict[str, Any]:
     """Everything ``mgjax bench selection`` prints."""
     thrown = random_balls(graph, balls, 0)

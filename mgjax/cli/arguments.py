@@ -1,4 +1,7 @@
-"""The commands and their arguments. Their work is imported when they run."""
+"""The commands and their arguments; :mod:`mgjax.cli.main` imports their work when they run.
+
+Defaults are those of the configurations, which import neither jax nor numpy.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,15 @@ from typing import Annotated, Literal
 
 import tyro
 
-from mgjax.sensor.config import HOST, PORT
+from mgjax.avoidance.config import (
+    ARRIVALS_S,
+    BALL_RADIUS_M,
+    BALL_SPEED_M_S,
+    DIRECTIONS,
+    HEIGHTS_M,
+    NODES,
+)
+from mgjax.sensor.config import HOST, PORT, ReplayConfig
 
 Vector = tuple[float, float, float]
 
@@ -29,11 +40,6 @@ class Info(Output):
     """BVH files, or AMC files with their ASF beside them."""
     out: Path | None = None
     """Folder for info.json."""
-
-    def run(self) -> None:
-        from mgjax.cli.info import run
-
-        run(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,11 +63,6 @@ class Build(Output):
     no_index: bool = False
     """Leave out the grid index, from which candidates of an avoidance are looked up."""
 
-    def run(self) -> None:
-        from mgjax.cli.build import run
-
-        run(self)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Avoid(Output):
@@ -81,7 +82,7 @@ class Avoid(Output):
     """Folder for motion.bvh, result.json, scene.png and volumes.npz."""
     gravity: bool = False
     """The ball falls; otherwise it flies straight."""
-    radius: float = 0.12
+    radius: float = BALL_RADIUS_M
     """Radius of the ball, m."""
     node: int | None = None
     """Where the character stands in the graph; default: drawn by the seed."""
@@ -89,11 +90,6 @@ class Avoid(Output):
     """Draws the node, and what is played where nothing avoids."""
     config: Path | None = None
     """TOML file of avoidance settings."""
-
-    def run(self) -> None:
-        from mgjax.cli.avoid import run
-
-        run(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,11 +115,6 @@ class Walk(Output):
     config: Path | None = None
     """TOML file of settings of the search."""
 
-    def run(self) -> None:
-        from mgjax.cli.walk import run
-
-        run(self)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(Output):
@@ -140,11 +131,6 @@ class Scene(Output):
     port: int = PORT
     """Its port; 0 takes a free one."""
 
-    def run(self) -> None:
-        from mgjax.cli.scene import run
-
-        run(self)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Demo(Output):
@@ -157,11 +143,6 @@ class Demo(Output):
     seed: int = 0
     """Draws clips, places and throws."""
 
-    def run(self) -> None:
-        from mgjax.cli.demo import run
-
-        run(self)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Coverage(Output):
@@ -171,25 +152,20 @@ class Coverage(Output):
     """Folder of a graph with labelled avoidance parts."""
     out: Path
     """Folder for coverage.json, coverage.npz and coverage.png."""
-    directions: int = 16
+    directions: int = DIRECTIONS
     """How many directions balls come from, all around."""
-    nodes: int = 256
+    nodes: int = NODES
     """At how many places in the graph; at each, one ball comes from every direction."""
-    heights: tuple[float, ...] = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7)
+    heights: tuple[float, ...] = HEIGHTS_M
     """Where balls pass the body's axis, m; dealt out among them."""
-    arrivals: tuple[float, ...] = (0.8, 1.2, 1.6)
+    arrivals: tuple[float, ...] = ARRIVALS_S
     """Seconds from now until a ball is there; dealt out among them."""
-    speed: float = 10.0
+    speed: float = BALL_SPEED_M_S
     """Speed of the balls, m/s."""
     seed: int = 0
     """Draws the nodes and deals heights and times."""
     config: Path | None = None
     """TOML file of avoidance settings."""
-
-    def run(self) -> None:
-        from mgjax.cli.coverage import run
-
-        run(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,11 +181,6 @@ class Bench(Output):
     out: Path | None = None
     """Folder for bench.json."""
 
-    def run(self) -> None:
-        from mgjax.cli.bench import run
-
-        run(self)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Replay(Output):
@@ -223,23 +194,18 @@ class Replay(Output):
     """Where to send it."""
     port: int = PORT
     """Its port."""
-    rate: float | None = None
+    rate: float | None = ReplayConfig.rate
     """Frames sent per second of motion; default: as captured."""
-    speed: float = 1.0
+    speed: float = ReplayConfig.speed
     """Seconds of motion per second."""
-    loss: float = 0.0
+    loss: float = ReplayConfig.loss
     """Share of packets that are lost."""
-    reorder: float = 0.0
+    reorder: float = ReplayConfig.reorder
     """Share of packets that come after those of the next frame."""
-    jitter: float = 0.0
+    jitter: float = ReplayConfig.jitter_s
     """Each packet is late by a random time up to this, s."""
-    seed: int = 0
+    seed: int = ReplayConfig.seed
     """Draws what is lost, reordered and late."""
-
-    def run(self) -> None:
-        from mgjax.cli.sensor import replay
-
-        replay(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -254,11 +220,8 @@ class Listen(Output):
     """Address of this machine to listen on; anything but loopback hears the whole network."""
     port: int = PORT
     """Its port; 0 takes a free one."""
-
-    def run(self) -> None:
-        from mgjax.cli.sensor import listen
-
-        listen(self)
+    config: Path | None = None
+    """TOML file of settings: how kicks are found and compared."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -270,6 +233,3 @@ class Sensor:
         | Annotated[Listen, tyro.conf.subcommand("listen")],
         tyro.conf.arg(name=""),
     ]
-
-    def run(self) -> None:
-        self.action.run()

@@ -37,9 +37,8 @@ def _kernels(command: Bench) -> tuple[dict[str, Any], list[str]]:
 
 
 def _selection(command: Bench) -> tuple[dict[str, Any], list[str]]:
-    from mgjax.avoidance.body.edge_tables import edge_tables
     from mgjax.avoidance.index.build import build_index
-    from mgjax.avoidance.index.index import FILE_NAME, load_index
+    from mgjax.avoidance.index.files import FILE_NAME, load_index
     from mgjax.bench.selection import selection_rows
     from mgjax.graph.files import load_graph
 
@@ -48,10 +47,7 @@ def _selection(command: Bench) -> tuple[dict[str, Any], list[str]]:
         raise ConfigError("got no --graph, expected the folder of a graph for bench selection")
     folder = Path(command.graph)
     graph = load_graph(folder)
-    if (folder / FILE_NAME).exists():
-        index = load_index(folder, graph)
-    else:
-        index = build_index(graph, edge_tables(graph, graph.frame_rate))
+    index = load_index(folder, graph) if (folder / FILE_NAME).exists() else build_index(graph)
     result = selection_rows(graph, index, balls=command.balls, progress=sys.stderr.isatty())
     result["index"] = index.report
     lines = [

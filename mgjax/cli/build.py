@@ -7,9 +7,8 @@ import time
 from dataclasses import replace
 from typing import Any
 
-from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.index.build import build_index
-from mgjax.avoidance.index.index import save_index
+from mgjax.avoidance.index.files import save_index
 from mgjax.cli.arguments import Build
 from mgjax.cli.report import emit, to_json
 from mgjax.clips.folder import load_clips
@@ -65,7 +64,7 @@ def run(command: Build) -> None:
         report["seconds"]["save"] = round(time.perf_counter() - start, 4)
         index = None
         if graph.report["labels_enterable"] and not command.no_index:
-            index = build_index(graph, edge_tables(graph, graph.frame_rate), progress=progress)
+            index = build_index(graph, progress=progress)
             save_index(folder, index)
         report["index"] = index.report if index else None
         report["seconds"]["total"] = round(time.perf_counter() - begin, 4)

@@ -46,7 +46,9 @@ def _live(command: Scene, config: SceneConfig) -> tuple[BallScene, list[dict[str
         raise ConfigError(f"got --live {command.live:g}, expected more than 0 s")
     with SensorReceiver(command.host, command.port) as receiver:
         moves = prepare_scene(config)
-        choice = SensorChoice(moves, receiver, command.live)
+        choice = SensorChoice(
+            moves, receiver, command.live, analysis=config.analysis, match=config.match
+        )
         print(f"listening on {command.host}:{receiver.port}", file=sys.stderr, flush=True)
         scene = build_scene(config, moves=moves, choose=choice)
     return scene, [{"touch": touch, **asdict(kick)} for touch, kick in choice.taken]

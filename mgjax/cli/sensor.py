@@ -8,15 +8,26 @@ from dataclasses import asdict
 from typing import Any
 
 from mgjax.ballsport.clipset.build import build_clip_set
+from mgjax.ballsport.live.config import ListenConfig, validate_listen
 from mgjax.ballsport.live.recogniser import LiveDriver, PassDecision
-from mgjax.cli.arguments import Listen, Replay
+from mgjax.cli.arguments import Listen, Replay, Sensor
 from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.io.load import load_motion
 from mgjax.io.output import output_folder
+from mgjax.io.toml_file import load_config
 from mgjax.sensor.config import ReplayConfig
 from mgjax.sensor.receiver import SensorReceiver
 from mgjax.sensor.replay import replay as send
+
+
+def run(command: Sensor) -> None:
+    """Plays a file as a sensor, or listens to one."""
+    action = command.action
+    if isinstance(action, Replay):
+        replay(action)
+    else:
+        listen(action)
 
 
 def replay(command: Replay) -> None:
@@ -56,6 +67,8 @@ def listen(command: Listen) -> None:
     """Prints one line for each kick as it is decided; with ``--json`` one object at the end."""
     if not 0 < command.seconds < math.inf:
         raise ConfigError(f"got --seconds {command.seconds:g}, expected more than 0")
+    config = load_config(command.config, ListenConfig) if command.config else ListenConfig()
+    validate_listen(config)
     kicks: list[dict[str, Any]] = []
 
     def take(decisions: list[PassDecision]) -> None:
@@ -66,8 +79,8 @@ def listen(command: Listen) -> None:
                 print(to_json(kicks[-1]), flush=True)
 
     with SensorReceiver(command.host, command.port) as receiver:
-        clips = build_clip_set()
-        driver = LiveDriver(clips)
+        clips = build_clip_set(config=config.clip_set, seed=config.seed, takes=config.takes)
+        driver = LiveDriver(clips, bones=config.bones, analysis=config.analysis, match=config.match)
         print(f"listening on {command.host}:{receiver.port}", file=sys.stderr, flush=True)
         for frame in receiver.frames(command.seconds):
             take(driver.push(frame))

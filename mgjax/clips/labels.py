@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import json
 import math
-from collections import Counter
 from pathlib import Path
 from typing import Any
 
 from mgjax.clips.types import Clip, Label, Labels
 from mgjax.core.errors import LabelError
+from mgjax.io.json_text import parse_json
 from mgjax.io.text import read_text
 
 
@@ -31,7 +31,7 @@ def load_labels(
     """
     document = _parse(path)
     known = {(Path(clips_folder) / clip.name).resolve(): clip for clip in clips}
-    found: dict[str, tuple[Label, ...]] = {}
+    labels_of: dict[str, tuple[Label, ...]] = {}
     for name, intervals in document.items():
         try:
             places = [(Path(base) / name).resolve() for base in (Path(path).parent, clips_folder)]
@@ -48,9 +48,9 @@ def load_labels(
         if not isinstance(intervals, list):
             raise LabelError(path, _line_of(path, name), f"{name!r}: {intervals!r:.40}", "a list")
         labels = [_label(path, name, i, item) for i, item in enumerate(intervals)]
-        found[clip.name] = found.get(clip.name, ()) + tuple(labels)
-    validate_labels(found, clips, source=path)
-    return found
+        labels_of[clip.name] = labels_of.get(clip.name, ()) + tuple(labels)
+    validate_labels(labels_of, clips, source=path)
+    return labels_of
 
 
 def validate_labels(labels: Labels, clips: list[Clip], *, source: str | Path = "labels") -> None:
@@ -86,21 +86,18 @@ def validate_labels(labels: Labels, clips: list[Clip], *, source: str | Path = "
 
 
 def _parse(path: str | Path) -> dict[str, Any]:
-    text = read_text(path, "labels")
 
-    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        for key, count in Counter(key for key, _ in pairs).items():
-            if count > 1:
-                raise LabelError(path, _line_of(path, key), f"{key!r:.80} twice", "it once")
-        return dict(pairs)
+    def twice(key: str) -> LabelError:
+        return LabelError(path, _line_of(path, key), f"{key!r:.80} twice", "it once")
 
-    try:
-        # As floats, numbers of any length can be read; one with too many digits is infinite.
-        document = json.loads(text, object_pairs_hook=unique, parse_int=float)
-    except json.JSONDecodeError as error:
-        raise LabelError(path, error.lineno, f"no JSON ({error.msg})", "a JSON object") from None
-    except RecursionError:
-        raise LabelError(path, None, "JSON nested too deep", "a JSON object") from None
+    document = parse_json(
+        path,
+        read_text(path, "labels"),
+        expected="a JSON object",
+        error=LabelError,
+        twice=twice,
+        finite=False,
+    )
     clips = document.get("clips") if isinstance(document, dict) else None
     if not isinstance(clips, dict):
         raise LabelError(path, 1, "no object 'clips'", '{"clips": {file: [intervals]}}')

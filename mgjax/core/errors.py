@@ -10,7 +10,23 @@ from pathlib import Path
 
 
 class MgjaxError(ValueError):
-    """Base of all errors that bad input can cause."""
+    """Base of all errors that bad input can cause.
+
+    Give it ``got`` and ``expected``, so that whoever knows the place better can say it again with
+    that place; or a whole message, where it has another form.
+
+    Attributes:
+        got: what stands there; "" where the message is whole.
+        expected: what should.
+        place: where, such as a file and line, or "".
+    """
+
+    def __init__(
+        self, message: str = "", *, got: str = "", expected: str = "", place: str = ""
+    ) -> None:
+        self.got, self.expected, self.place = got, expected, place
+        prefix = f"{place}: " if place else ""
+        super().__init__(prefix + (message or f"got {got}, expected {expected}"))
 
 
 def printable(path: str | Path) -> str:
@@ -31,10 +47,8 @@ class FileFormatError(MgjaxError):
     def __init__(self, path: str | Path, line: int | None, got: str, expected: str) -> None:
         self.path = Path(path)
         self.line = line
-        self.got = got
-        self.expected = expected
         place = printable(path) if line is None else f"{printable(path)}:{line}"
-        super().__init__(f"{place}: got {got}, expected {expected}")
+        super().__init__(got=got, expected=expected, place=place)
 
 
 class SkeletonError(MgjaxError):
@@ -59,6 +73,14 @@ class GraphError(MgjaxError):
 
 class AttackError(MgjaxError):
     """An attack that cannot be: it never arrives, starts inside the body, is not finite."""
+
+
+class PathError(MgjaxError):
+    """A sketched path that cannot be followed as it is: points, speeds, obstacles, its start."""
+
+
+class ReachError(MgjaxError):
+    """A target that cannot be one."""
 
 
 class OutputError(MgjaxError):

@@ -1,18 +1,18 @@
-"""Settings from TOML files into the frozen dataclasses of the rooms."""
+"""TOML files into the frozen dataclasses of the rooms, and back to TOML."""
 
 from __future__ import annotations
 
 import dataclasses
-import difflib
+import json
+import math
 import re
 import tomllib
 from pathlib import Path
-from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
-
-import cattrs
+from typing import Any, TypeVar
 
 from mgjax.core.errors import ConfigError, FileFormatError, printable
-from mgjax.io.text import quoted, read_text
+from mgjax.io.settings import changed
+from mgjax.io.text import read_text
 
 T = TypeVar("T")
 
@@ -24,71 +24,22 @@ def load_config(path: str | Path, kind: type[T]) -> T:
         FileFormatError: no TOML.
         ConfigError: an unknown key (the nearest known one is named), or a value of another type.
     """
+    config = kind()
+    text, document = read_toml(path)
+    for key, value in document.items():
+        config = changed(config, key, value, lambda k: f"{printable(path)}:{_line_of(text, k)}")
+    return config
+
+
+def read_toml(path: str | Path) -> tuple[str, dict[str, Any]]:
+    """The text of a TOML file and what it says; :class:`FileFormatError` if it is none."""
     text = read_text(path, "TOML")
     try:
-        document = tomllib.loads(text)
+        return text, tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise FileFormatError(path, _line_in(str(error)), f"no TOML ({error})", "TOML") from None
     except RecursionError:
         raise FileFormatError(path, None, "TOML nested too deep", "TOML") from None
-    _check_keys(path, text, document, kind, "")
-    converter = cattrs.Converter(forbid_extra_keys=True)
-    converter.register_structure_hook(float, lambda value, _: float(value))
-    converter.register_structure_hook_func(_is_checked, lambda value, _: value)
-    try:
-        return converter.structure(document, kind)
-    except (cattrs.BaseValidationError, ValueError, TypeError) as error:
-        reason = "; ".join(cattrs.transform_error(error))
-        raise ConfigError(
-            f"{printable(path)}: got {reason}, expected the types of {kind.__name__}"
-        ) from None
-
-
-def _is_checked(kind: Any) -> bool:
-    """Types that cattrs would convert or does not know; :func:`_check_keys` has looked at them."""
-    return kind is Any or kind == str | dict[str, float]
-
-
-def _expectation(value: Any, kind: Any) -> str | None:
-    """What is expected where ``value`` is no ``kind``, else None."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if kind in (float, Any, float | None):
-        return None if number else "a number"
-    if kind is bool:
-        return None if isinstance(value, bool) else "true or false"
-    if kind is int:
-        return None if number and isinstance(value, int) else "a whole number"
-    if kind is str:
-        return None if isinstance(value, str) else "a word"
-    if get_origin(kind) is Literal:
-        words = get_args(kind)
-        return None if value in words else " or ".join(repr(word) for word in words)
-    if kind == str | dict[str, float]:
-        table = isinstance(value, dict) and all(
-            _expectation(item, float) is None for item in value.values()
-        )
-        return None if table or isinstance(value, str) else "a word or a table of numbers"
-    return None
-
-
-def _check_keys(path: str | Path, text: str, table: dict, kind: type, prefix: str) -> None:
-    hints = get_type_hints(kind)
-    for key, value in table.items():
-        place = f"{printable(path)}:{_line_of(text, key)}"
-        if key not in hints:
-            near = difflib.get_close_matches(key, hints, n=1, cutoff=0.0)
-            raise ConfigError(
-                f"{place}: got unknown key {prefix + key!r}, expected one such as"
-                f" {near[0]!r} (known: {', '.join(hints)})"
-            )
-        nested = dataclasses.is_dataclass(hints[key])
-        if nested and isinstance(value, dict):
-            _check_keys(path, text, value, hints[key], f"{prefix}{key}.")  # pyright: ignore[reportArgumentType]
-            continue
-        expected = "a table" if nested else _expectation(value, hints[key])
-        if expected is not None:
-            shown = quoted(str(value)) if isinstance(value, str) else repr(value)[:40]
-            raise ConfigError(f"{place}: got {prefix}{key} = {shown}, expected {expected}")
 
 
 def _line_of(text: str, key: str) -> int:
@@ -108,3 +59,44 @@ def _line_in(message: str) -> int | None:
     if "line" in words[:-1] and words[words.index("line") + 1].isdigit():
         return int(words[words.index("line") + 1])
     return None
+
+
+def to_toml(config: Any) -> str:
+    """A config as TOML that :func:`load_config` reads back as it is.
+
+    TOML has no form for None: such settings are left out, and None has to be their default.
+    """
+    return "\n".join(_table(config, "")).strip() + "\n"
+
+
+def _table(config: Any, name: str) -> list[str]:
+    lines: list[str] = []
+    tables: list[str] = []
+    default = type(config)()
+    for item in dataclasses.fields(config):
+        value = getattr(config, item.name)
+        if dataclasses.is_dataclass(value):
+            tables += _table(value, f"{name}.{item.name}".strip("."))
+        elif value is not None:
+            lines.append(f"{item.name} = {toml_value(value)}")
+        elif getattr(default, item.name) is not None:
+            raise ConfigError(f"got {name}.{item.name} = None, which TOML cannot say")
+    return [*(["", f"[{name}]"] if name else []), *lines, *tables]
+
+
+def toml_value(value: Any) -> str:
+    """One setting as TOML has it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int):
+        return str(int(value))
+    if isinstance(value, float):
+        return repr(float(value)) if math.isfinite(value) else str(float(value))
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(toml_value(item) for item in value) + "]"
+    if isinstance(value, dict):
+        pairs = (f"{toml_value(str(key))} = {toml_value(item)}" for key, item in value.items())
+        return "{" + ", ".join(pairs) + "}"
+    raise TypeError(f"got a setting of type {type(value).__name__}, expected one that TOML has")

@@ -11,10 +11,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Circle
 
-from mgjax.avoidance.attacks.ball import BALL_RADIUS_M
+from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.config import BALL_RADIUS_M
 from mgjax.avoidance.coverage.shares import cells, outcomes, worst_cells
 from mgjax.avoidance.coverage.throws import Coverage
-from mgjax.avoidance.many.attacks import AVOIDED, HIT, NO_CANDIDATE
 from mgjax.core import planar
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import require_roles
@@ -51,7 +51,7 @@ def coverage_figure(graph: MotionGraph, found: Coverage) -> Figure:
         heat_map(axes, found, shares[f"kind/{kind}"], "Blues", most)
         axes.set_title(f"avoided by {kind}: {_percent(share)} of all balls", fontsize=10)
     rest = panels[len(kinds) :]
-    share = float((found.answers.status == HIT).mean())
+    share = float((found.answers.status == Status.HIT.code).mean())
     heat_map(rest[0], found, shares["hit"], "Reds", 1.0)
     rest[0].set_title(f"hit, though parts come in time: {_percent(share)}", fontsize=10)
     _arrivals(rest[1], found)
@@ -69,7 +69,7 @@ def _percent(share: float) -> str:
 def _main(top: SubFigure, graph: MotionGraph, found: Coverage, share: np.ndarray) -> None:
     """The map of all balls, with the body at its height beside it and the worst cells framed."""
     body, axes = top.subplots(1, 2, sharey=True, width_ratios=(2, 9))
-    total = float((found.answers.status == AVOIDED).mean())
+    total = float((found.answers.status == Status.AVOIDED.code).mean())
     top.suptitle(
         f"Which balls the graph avoids: {total:.0%} of {len(found)} balls at {found.speed:g} m/s,"
         f" thrown from {len(found.directions)} directions at {len(np.unique(found.node))} places"
@@ -121,8 +121,8 @@ def _stacked(axes: Axes, found: Coverage, masks: dict[str, np.ndarray]) -> None:
     left = np.zeros(len(masks))
     status = found.answers.status
     places = np.arange(len(masks))[::-1]
-    for (name, colour), number in zip(COLOURS.items(), (AVOIDED, HIT, NO_CANDIDATE), strict=True):
-        share = np.array([100 * (status[mask] == number).mean() for mask in masks.values()])
+    for (name, colour), outcome in zip(COLOURS.items(), Status, strict=True):
+        share = np.array([100 * (status[mask] == outcome.code).mean() for mask in masks.values()])
         bars = axes.barh(places, share, left=left, color=colour, label=name)
         texts = [f"{x:.0f}" if x > 4 else "" for x in share]
         axes.bar_label(bars, texts, label_type="center", fontsize=8, color="white")
@@ -143,7 +143,7 @@ def _arrivals(axes: Axes, found: Coverage) -> None:
 def _clips(axes: Axes, graph: MotionGraph, found: Coverage) -> None:
     """What became of the balls, by the clip in which the character stands: the worst."""
     clip = graph.node_clip[found.node]
-    avoided = found.answers.status == AVOIDED
+    avoided = found.answers.status == Status.AVOIDED.code
     places = {i: len(np.unique(found.node[clip == i])) for i in np.unique(clip).tolist()}
     known = [i for i in places if places[i] >= LEAST_PLACES] or list(places)
     known.sort(key=lambda i: float(avoided[clip == i].mean()))

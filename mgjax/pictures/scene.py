@@ -12,7 +12,7 @@ from matplotlib.patches import Circle
 
 from mgjax.ballsport.aiming.solve import OK
 from mgjax.ballsport.scene.build import Scene
-from mgjax.ballsport.scene.types import THROWN, Touch
+from mgjax.ballsport.scene.types import THROWN_IN, Touch
 
 COLOURS = ("#1f6fb4", "#d1495b", "#3a8f5c", "#8a5fbf", "#c77d1f", "#3fa7b5", "#7a7a7a", "#b05f8f")
 BALL, FLOOR, NET = "#e08a1e", "#d9d4c7", "#555555"
@@ -37,7 +37,7 @@ def scene_figure(scene: Scene) -> Figure:
     _side(figure.add_subplot(grid[0, 1]), scene, colours)
     _lanes(figure.add_subplot(grid[1, :]), scene, colours)
     _course(figure.add_subplot(grid[2, :]), scene, colours)
-    passes = sum(leg.number != THROWN for leg in scene.legs) - 1
+    passes = sum(flight.number != THROWN_IN for flight in scene.flights) - 1
     figure.suptitle(
         f"{len(scene.config.players)} players, {passes} passes,"
         f" {len(scene.ball.places) / scene.frame_rate:.0f} s",
@@ -67,16 +67,16 @@ def _bones(scene: Scene, flat: np.ndarray) -> list[np.ndarray]:
 
 
 def _flights(axes: Axes, scene: Scene, colours: dict[str, str], columns: list[int]) -> None:
-    for number, leg in enumerate(scene.legs):
+    for number, flight in enumerate(scene.flights):
         by = scene.ends[number][0]
-        path = scene.ball.places[leg.start : leg.stop + 1][:, columns]
-        last = leg.number == len(scene.config.passes)
-        thin = leg.number == THROWN or last
+        path = scene.ball.places[flight.start : flight.stop + 1][:, columns]
+        last = flight.number == len(scene.config.passes)
+        thin = flight.number == THROWN_IN or last
         axes.plot(
             *path.T,
             color=colours.get(by, "#999999"),
             linewidth=0.9 if thin else 1.5,
-            linestyle=":" if thin or leg.status != OK else "-",
+            linestyle=":" if thin or flight.status != OK else "-",
             alpha=0.75,
             zorder=2,
         )
@@ -190,14 +190,14 @@ def _lanes(axes: Axes, scene: Scene, colours: dict[str, str]) -> None:
             solid_capstyle="butt",
         )
         axes.plot(touch.time / rate, lane, "o", ms=3.5, color=BALL, mec="white", mew=0.5, zorder=5)
-    for leg, (by, to) in zip(scene.legs, scene.ends, strict=True):
+    for flight, (by, to) in zip(scene.flights, scene.ends, strict=True):
         if by and to:
             axes.plot(
-                [leg.start / rate, leg.stop / rate],
+                [flight.start / rate, flight.stop / rate],
                 [names.index(by), names.index(to)],
                 color="#777777",
                 linewidth=0.8,
-                linestyle="-" if leg.status == OK else ":",
+                linestyle="-" if flight.status == OK else ":",
                 zorder=3,
             )
     axes.set_yticks(range(len(names)), names, fontsize=9)
@@ -212,9 +212,9 @@ def _course(axes: Axes, scene: Scene, colours: dict[str, str]) -> None:
     axes.set_title("height of the ball over time, with who hits it and how", fontsize=10)
     rate = scene.frame_rate
     top = max(2.0, float(scene.ball.places[:, 1].max()))
-    for number, leg in enumerate(scene.legs):
-        part = slice(leg.start, leg.stop + 1)
-        times = np.arange(leg.start, leg.stop + 1) / rate
+    for number, flight in enumerate(scene.flights):
+        part = slice(flight.start, flight.stop + 1)
+        times = np.arange(flight.start, flight.stop + 1) / rate
         colour = colours.get(scene.ends[number][0], "#999999")
         axes.plot(times, scene.ball.places[part, 1], color=colour, linewidth=1.4)
     for event in scene.ball.events:

@@ -33,7 +33,7 @@ from matplotlib.figure import Figure
 from mgjax.core.errors import ConfigError, MgjaxError
 from mgjax.core.xla.compilation import enable_cache
 from mgjax.io.output import output_folder
-from mgjax.io.settings import describe, resolve, to_toml
+from mgjax.io.toml_file import to_toml
 from mgjax.runs.record import (
     CompileTimes,
     Points,
@@ -46,6 +46,7 @@ from mgjax.runs.record import (
     revision,
     versions,
 )
+from mgjax.runs.settings import describe, resolve
 
 T = TypeVar("T")
 PARTIAL = "partial.jsonl"

@@ -18,11 +18,10 @@ from mgjax.sensor.bones import (
     flip_rotations,
     make_body,
     nearest_above,
-    usual_places,
 )
 from mgjax.sensor.packets import Transform
 
-SETTLE_FRAMES = 20
+LEARNING_FRAMES = 20
 """Which bones a sender has is learnt from so many frames."""
 ROOT = -1
 """Stands for the model's root among the bones of a frame."""
@@ -38,21 +37,26 @@ class HeldBody:
     in Unity. A place of exactly zero, which some senders give for all but the hips, means that of
     the embedded body. Scales and offsets for mixed reality are not read.
 
+    Args:
+        usual: local places of all bones in the T-pose of the embedded body, from
+            :func:`mgjax.sensor.bones.usual_places`, m.
+
     Attributes:
         bones: of the body, as places in :data:`mgjax.sensor.bones.BONES`; none yet while
             it is unknown.
         skeleton: in the T-pose, or None.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, usual: Float[np.ndarray, "B 3"]) -> None:
+        self._usual = usual
         self.bones: frozenset[int] = frozenset()
         self.skeleton: Skeleton | None = None
-        self._places = usual_places().copy()
+        self._places = usual.copy()
         self._rotations = np.tile([1.0, 0.0, 0.0, 0.0], (len(BONES), 1))
         self._root = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
         self._seen: set[int] = set()
         self._placed: set[int] = set()
-        self._settling = SETTLE_FRAMES
+        self._unsure = LEARNING_FRAMES
 
     def update(self, parts: Parts) -> None:
         """Takes what came of the next frame."""
@@ -62,9 +66,9 @@ class HeldBody:
             for bone, place, rotation in zip(parts, places, rotations, strict=True):
                 self._take(bone, place, rotation)
         if self.skeleton is None:
-            self._settling -= 1
-            if self._settling <= 0 and self._seen.issuperset(NEEDED):
-                self._settle()
+            self._unsure -= 1
+            if self._unsure <= 0 and self._seen.issuperset(NEEDED):
+                self._fix()
 
     def _take(self, bone: int, place: np.ndarray, rotation: np.ndarray) -> None:
         if bone == ROOT:
@@ -81,7 +85,7 @@ class HeldBody:
         return len(self.bones - parts.keys())
 
     def positions(self, skeleton: Skeleton) -> Float[np.ndarray, "J 3"]:
-        """Of the joints of its skeleton in the world, m."""
+        """Where the joints of its skeleton are in the world, m."""
         root_place, root_turn = self._root
         bones = sorted(self.bones)
         places, turns = self._places[bones], self._rotations[bones]
@@ -89,12 +93,13 @@ class HeldBody:
         hips = root_place + quaternion.rotate(root_turn, places[0])
         return np.asarray(forward(skeleton, np.asarray(hips), turns, places)[0])
 
-    def _settle(self) -> None:
+    def _fix(self) -> None:
+        """From now on the body has the bones that have come, and no others."""
         for bone in self._seen - self._placed:
             # The bones between it and its parent do not exist, but their lengths do.
             above, between = nearest_above(bone, self._seen), PARENTS[bone]
             while between != above:
-                self._places[bone] += usual_places()[between]
+                self._places[bone] += self._usual[between]
                 between = PARENTS[between]
         self.bones = frozenset(self._seen)
         self.skeleton = make_body(self._places, self._seen)

@@ -114,17 +114,17 @@ def find_bones(skeleton: Skeleton) -> dict[int, int]:
     require_roles(skeleton, ("left_hip", "left_knee", "left_ankle"))
     require_roles(skeleton, ("right_hip", "right_knee", "right_ankle"))
     by_name = {name.lower(): joint for joint, name in enumerate(skeleton.names)}
-    found: dict[int, int] = {}
+    joints: dict[int, int] = {}
     for bone, (_, _, name, role) in enumerate(_ROWS):
         joint = by_name.get(name, find_role(skeleton, role) if role else None)
         if bone == 0:
             joint = 0
-        if joint is not None and joint not in found.values():
-            found[bone] = joint
-    missing = [BONES[bone] for bone in NEEDED if bone not in found]
+        if joint is not None and joint not in joints.values():
+            joints[bone] = joint
+    missing = [BONES[bone] for bone in NEEDED if bone not in joints]
     if missing:
         raise SkeletonError(f"found no joint for {missing[0]} among {', '.join(skeleton.names)}")
-    return found
+    return joints
 
 
 def nearest_above(bone: int, present: dict[int, int] | set[int]) -> int:
@@ -141,26 +141,26 @@ def t_pose(skeleton: Skeleton, bones: dict[int, int]) -> dict[int, Float[np.ndar
     across = (
         places[bones[BONES.index("LeftUpperLeg")]] - places[bones[BONES.index("RightUpperLeg")]]
     )
-    whole = _heading_turn(across, np.array([1.0, 0.0, 0.0]))
+    body_turn = _heading_turn(across, np.array([1.0, 0.0, 0.0]))
     turns: dict[int, np.ndarray] = {}
     for bone, joint in bones.items():
         name = BONES[bone]
         side = "Left" if name.startswith("Left") else "Right"
         part = name.removeprefix(side)
-        turns[bone] = whole
+        turns[bone] = body_turn
         if part in _LIMBS or part == "Foot":
             below = BONES.index(side + _LIMBS.get(part, "Toes"))
             if below not in bones:
                 continue
-            way = quaternion.rotate(whole, places[bones[below]] - places[joint])
+            direction = quaternion.rotate(body_turn, places[bones[below]] - places[joint])
             if part == "Foot":
-                turn = _heading_turn(np.asarray(way), _AHEAD)
+                turn = _heading_turn(np.asarray(direction), _AHEAD)
             else:
                 out = np.array([1.0 if side == "Left" else -1.0, 0.0, 0.0])
-                turn = quaternion.from_two_vectors(way, out if "Arm" in part else _DOWN)
-            turns[bone] = np.asarray(quaternion.multiply(turn, whole))
+                turn = quaternion.from_two_vectors(direction, out if "Arm" in part else _DOWN)
+            turns[bone] = np.asarray(quaternion.multiply(turn, body_turn))
         elif part in ("Hand", "Toes"):
-            turns[bone] = turns.get(PARENTS[bone], whole)
+            turns[bone] = turns.get(PARENTS[bone], body_turn)
     return turns
 
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mgjax.core.ranges import Ranges, check_range, check_ranges
+
 HOST = "127.0.0.1"
 """Loopback: nothing from outside this machine is heard unless another address is given."""
 PORT = 39539
@@ -33,3 +35,20 @@ class ReplayConfig:
     reorder: float = 0.0
     jitter_s: float = 0.0
     seed: int = 0
+
+
+_RANGES: Ranges = {
+    "speed": (1e-3, 10000.0),
+    "loss": (0.0, 1.0),
+    "reorder": (0.0, 1.0),
+    "jitter_s": (0.0, 10.0),
+    "seed": (0, 2**63),
+}
+_RATES = (1e-3, 10000.0)
+
+
+def validate_replay(config: ReplayConfig) -> None:
+    """Raises :class:`ConfigError` unless a clip can be sent so."""
+    check_ranges(config, _RANGES)
+    if config.rate is not None:
+        check_range("rate", config.rate, *_RATES)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
 
 from mgjax.core.skeleton import Skeleton
 from mgjax.sensor.body import ROOT, HeldBody, Parts
-from mgjax.sensor.bones import BONES
+from mgjax.sensor.bones import BONES, usual_places
 from mgjax.sensor.packets import Packet, Transform, parse_packet
 
 BREAK_S = 1.0
@@ -68,6 +69,15 @@ class Counts:
     streams: int = 0
 
 
+@runtime_checkable
+class FrameSource(Protocol):
+    """Whatever gives the frames of a sender, such as a receiver."""
+
+    def frames(self, seconds: float) -> Iterator[SensorFrame]:
+        """The frames that come within so many seconds, as they come."""
+        ...
+
+
 class FrameAssembler:
     """Puts frames together; no packet makes it raise, or keep more than a few poses.
 
@@ -82,13 +92,14 @@ class FrameAssembler:
 
     def __init__(self) -> None:
         self.counts = Counts()
+        self._usual = usual_places()
         self._source: Hashable = None
         self._heard_s = -np.inf
         self._start()
 
     def _start(self) -> None:
         """Forgets everything about the stream."""
-        self._body = HeldBody()
+        self._body = HeldBody(self._usual)
         self._open: dict[float, dict[int, Transform]] = {}
         self._over: set[float] = set()
         self._loose: dict[int, Transform] = {}
@@ -174,7 +185,7 @@ class FrameAssembler:
         if not self._loose:
             self._loose_s = time_s
         self._loose.update(parts)
-        if self._whole(self._loose):
+        if self._complete(self._loose):
             self._put(self._loose_s, self._loose)
             self._loose = {}
 
@@ -193,18 +204,18 @@ class FrameAssembler:
 
     def _release(self, arrival_s: float) -> list[SensorFrame]:
         """Gives out all frames that need not wait, in order."""
-        given: list[SensorFrame] = []
+        released: list[SensorFrame] = []
         while self._open and self._newest is not None:
             first = min(self._open)
-            whole = self._whole(self._open[first])
+            complete = self._complete(self._open[first])
             waited = self._newest - first > WAIT_S or len(self._open) > _MOST_OPEN
-            if not (whole or waited or first in self._over):
+            if not (complete or waited or first in self._over):
                 break
             self._over.discard(first)
-            given += self._close(first, self._open.pop(first), arrival_s)
-        return given
+            released += self._close(first, self._open.pop(first), arrival_s)
+        return released
 
-    def _whole(self, parts: Parts) -> bool:
+    def _complete(self, parts: Parts) -> bool:
         return bool(self._body.bones) and self._body.held(parts) == 0
 
     def _close(self, time_s: float, parts: Parts, arrival_s: float) -> list[SensorFrame]:

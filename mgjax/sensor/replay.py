@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from types import ModuleType
 
@@ -16,8 +16,9 @@ from mgjax.core.errors import ConfigError
 from mgjax.core.motion import Motion, resample
 from mgjax.core.skeleton import Skeleton
 from mgjax.sensor.bones import BONES, BonePoses, encode
-from mgjax.sensor.config import HOST, PORT, ReplayConfig
-from mgjax.sensor.receiver import address, clock
+from mgjax.sensor.clock import Clock, clock
+from mgjax.sensor.config import HOST, PORT, ReplayConfig, validate_replay
+from mgjax.sensor.receiver import address
 
 _BONES_A_PACKET = 12
 """So that a packet is shorter than the 1,472 bytes that common networks carry in one piece."""
@@ -33,7 +34,7 @@ class Replayed:
         lost: packets left out on purpose.
         seconds: how long it took.
         late_s: the most that a packet was sent after its time, s.
-        start_s: when it began, by the clock of :func:`mgjax.sensor.receiver.clock`.
+        start_s: when it began, by the clock of :func:`mgjax.sensor.clock.clock`.
     """
 
     frames: int
@@ -42,20 +43,6 @@ class Replayed:
     seconds: float
     late_s: float
     start_s: float
-
-
-def validate_replay(config: ReplayConfig) -> None:
-    """Raises :class:`ConfigError` unless a clip can be sent so."""
-    for name, value in (("rate", config.rate), ("speed", config.speed)):
-        if value is not None and not 0 < value <= 10000:
-            raise ConfigError(f"got {name} {value:g}, expected more than 0 and at most 10000")
-    for name, value in (("loss", config.loss), ("reorder", config.reorder)):
-        if not 0 <= value <= 1:
-            raise ConfigError(f"got {name} {value:g}, expected a share from 0 to 1")
-    if not 0 <= config.jitter_s <= 10:
-        raise ConfigError(f"got a jitter of {config.jitter_s:g} s, expected 0 … 10")
-    if config.seed < 0:
-        raise ConfigError(f"got seed {config.seed}, expected at least 0")
 
 
 def replay(
@@ -78,20 +65,10 @@ def replay(
     config = config or ReplayConfig()
     validate_replay(config)
     place = address(host, port)
-    if config.rate is not None:
-        motion = resample(motion, config.rate)
-    poses, rate = encode(skeleton, motion), motion.frame_rate
-    pieces = math.ceil(len(poses.bones) / _BONES_A_PACKET)
-    due, order = schedule(len(poses.places), pieces, rate, config)
-    build = packet_builder()
-    late, start = 0.0, clock()
+    recording = Recording(skeleton, motion, config)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        for number in order:
-            frame, piece = divmod(int(number), pieces)
-            datagram = build(poses, frame, piece, frame / rate)
-            at = start + float(due[number])
-            time.sleep(max(at - clock(), 0.0))
-            late = max(late, clock() - at)
+
+        def send(datagram: bytes) -> None:
             try:
                 sender.sendto(datagram, place)
             except OSError as error:
@@ -99,10 +76,69 @@ def replay(
                     f"got {host}:{port} to send to ({error.strerror}), expected a host that can be"
                     " reached"
                 ) from None
+
+        return play(recording, send)
+
+
+class Recording:
+    """A clip as the packets that a sensor sends, in the order and at the times of sending.
+
+    Attributes:
+        frames: of the clip at the rate of sending.
+        packets: that are sent.
+        lost: packets left out on purpose.
+
+    Raises:
+        ConfigError: python-osc is not there.
+        SkeletonError: the skeleton has no legs.
+    """
+
+    def __init__(self, skeleton: Skeleton, motion: Motion, config: ReplayConfig) -> None:
+        if config.rate is not None:
+            motion = resample(motion, config.rate)
+        self._poses, self._rate = encode(skeleton, motion), motion.frame_rate
+        self._pieces = math.ceil(len(self._poses.bones) / _BONES_A_PACKET)
+        self.frames = len(self._poses.places)
+        self._due, self._order = schedule(self.frames, self._pieces, self._rate, config)
+        self._build = packet_builder()
+        self.packets = len(self._order)
+        self.lost = len(self._due) - self.packets
+
+    def __iter__(self) -> Iterator[tuple[float, bytes]]:
+        """When each packet is due, s from the start, and its bytes."""
+        for number in self._order:
+            frame, piece = divmod(int(number), self._pieces)
+            yield (
+                float(self._due[number]),
+                self._build(self._poses, frame, piece, frame / self._rate),
+            )
+
+
+def play(
+    recording: Recording,
+    send: Callable[[bytes], None],
+    *,
+    clock: Clock = clock,
+    sleep: Callable[[float], None] = time.sleep,
+) -> Replayed:
+    """Sends each packet of a recording when it is due.
+
+    Args:
+        recording: the packets.
+        send: takes one datagram.
+        clock: tells the time, s.
+        sleep: waits so many seconds of that clock.
+    """
+    late, start = 0.0, clock()
+    for due, datagram in recording:
+        at = start + due
+        sleep(max(at - clock(), 0.0))
+        late = max(late, clock() - at)
+        send(datagram)
     return Replayed(
-        frames=len(poses.places),
-        packets=len(order),
-        lost=len(due) - len(order),
+        frames=recording.frames,
+        packets=recording.packets,
+        lost=recording.lost,
         seconds=clock() - start,
         late_s=late,
         start_s=start,

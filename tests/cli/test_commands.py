@@ -42,7 +42,7 @@ def test_help_needs_no_jax() -> None:
         "    try:\n        main([*words, '--help'])\n"
         "    except SystemExit as stop:\n        assert not stop.code, words\n"
         "    else:\n        raise AssertionError(words)\n"
-        "heavy = {'jax', 'scipy', 'matplotlib', 'safetensors'} & set(sys.modules)\n"
+        "heavy = {'jax', 'numpy', 'scipy', 'matplotlib', 'safetensors'} & set(sys.modules)\n"
         "assert not heavy, heavy\n"
     )
     done = subprocess.run(

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import inspect
 import json
 from pathlib import Path
 
@@ -43,8 +44,9 @@ def test_text(built: tuple[Path, Ran], tmp_path: Path) -> None:
 
 
 def test_defaults_are_those_of_the_function() -> None:
-    assert Coverage.heights == room.HEIGHTS_M
-    assert Coverage.arrivals == room.ARRIVALS_S
+    defaults = inspect.signature(room.coverage).parameters
+    for name in ("directions", "heights", "arrivals", "nodes", "seed", "speed"):
+        assert getattr(Coverage, name) == defaults[name].default
 
 
 @pytest.mark.parametrize(

@@ -11,12 +11,14 @@ import numpy as np
 import pytest
 
 from mgjax.ballsport.ball.physics import BallPhysics
-from mgjax.ballsport.clipset.ball_contact import bone_radius
+from mgjax.ballsport.config import hit_bone
 from mgjax.ballsport.hits.detect import hit_joint
+from mgjax.clips.synthetic_kicks import synthetic_kicks
 from mgjax.io.load import load_motion
 from tests.cli.conftest import Ran, refused, run
 from tests.reference import ball as reference
 from tests.reference.kinematics import forward
+from tests.sensor.transport import PlayedReceiver
 
 PLAYERS = """
 [[players]]
@@ -99,7 +101,7 @@ def test_ball_meets_the_feet_of_the_written_motion(written: tuple[Path, Ran]) ->
         )
         joint = places[hit_joint(skeleton, bone)]
         apart = np.linalg.norm(joint - [at["x"], at["y"], at["z"]])
-        assert abs(apart - 0.11 - bone_radius(bone)) < 0.002
+        assert abs(apart - 0.11 - hit_bone(bone).radius_m) < 0.002
         assert at["y"] >= 0.11
 
 
@@ -140,6 +142,26 @@ def test_motion_is_smooth(written: tuple[Path, Ran]) -> None:
     assert all(1 / 1.13 < row["time_warp"] < 1.13 for row in ran.json["passes"])
 
 
+def test_kicks_before_a_sensor_decide(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each kick decides the next pass of kind any; found with the thresholds of the file."""
+    clips, _ = synthetic_kicks(seed=5, frame_rate=60.0, takes=1)
+    clip = next(c for c in clips if c.name == "kick_pass_right")
+    receiver = PlayedReceiver.of(clip.skeleton, clip.motion)
+    monkeypatch.setattr("mgjax.cli.scene.SensorReceiver", receiver)
+    file = tmp_path / "scene.toml"
+    live = ("scene", "--config", file, "--live", 60, "--json", "--out")
+    file.write_text(SCENE)
+    ran = run(*live, tmp_path / "heard")
+    assert ran.status == 0, ran.err
+    assert "listening on 127.0.0.1:1" in ran.err
+    (decided,) = ran.json["decided_live"]
+    assert (decided["touch"], decided["bone"]) == (1, "right_foot")
+    assert ran.json["passes"][1]["bone"] == "right_foot"
+    # Longer sections join other places.
+    file.write_text(SCENE.replace("[net]", "[transition]\nseconds = 0.5\n[net]"))
+    assert run(*live, tmp_path / "slow").json["worst"] != ran.json["worst"]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
@@ -158,6 +180,17 @@ def test_motion_is_smooth(written: tuple[Path, Ran]) -> None:
         ("end_s = 1.0", "throw_in = [0.0, -1.0, 0.0]", ("throw_in", "-1")),
         ('name = "Ben"', 'name = "../Ben"', ("'../Ben'", "letters")),
         ("[net]", "[net", ("no TOML",)),
+        ("[net]", "[analysis]\nmerge_s = -1.0\n[net]", ("analysis.merge_s = -1", "0 … 60")),
+        ("[net]", "[analysis]\nheigth_m = 1.0\n[net]", ("'analysis.heigth_m'", "height_m")),
+        ("[net]", "[kinds]\npass_m_s = 9.0\n[net]", ("kinds.attack_m_s = 7.2",)),
+        ("[net]", "[transition]\nseconds = 0.0\n[net]", ("transition.seconds = 0.0",)),
+        ("[net]", "[transition]\nw_p = [1, 1, 1]\n[net]", ("transition.w_p", "a list of 5")),
+        ("[net]", "[match]\nw_t = -1.0\n[net]", ("match.w_t = -1", "0 … 1e+09")),
+        ("end_s = 1.0", 'bones = ["knee"]', ("'knee'", "left_foot, right_foot")),
+        ("end_s = 1.0", "max_speed = nan", ("max_speed = nan", "0.001 … 100")),
+        ("end_s = 1.0", "seed = -1", ("seed = -1",)),
+        ("takes = 2", "takes = 0", ("takes = 0", "1 … 20")),
+        ("frame_rate = 30.0", "frame_rate = 10.0", ("frame_rate = 10.0", "20 … 240")),
         ("x = 1.9\n", "", ("players 2", "no x")),
     ],
 )

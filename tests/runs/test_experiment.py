@@ -19,9 +19,9 @@ from matplotlib.figure import Figure
 
 import experiments
 from mgjax.core.errors import OutputError
-from mgjax.io.settings import resolve
 from mgjax.runs.experiment import Results, execute, perform
 from mgjax.runs.record import Points
+from mgjax.runs.settings import resolve
 from tests.runs.toys import Config, names, simple, toy
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,7 +13,7 @@ import pytest
 
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core.kinematics import global_positions
-from mgjax.sensor.body import SETTLE_FRAMES
+from mgjax.sensor.body import LEARNING_FRAMES
 from mgjax.sensor.bones import BONES, PARENTS, encode, find_bones, usual_places
 from mgjax.sensor.config import ReplayConfig
 from mgjax.sensor.frames import BREAK_S, FrameAssembler, SensorFrame
@@ -56,7 +56,7 @@ def settled() -> FrameAssembler:
     """One that knows the body; frames up to 99 are over."""
     assembler = FrameAssembler()
     # The first frames wait for bones that may come yet, the last of them for its successor.
-    feed(assembler, [whole(k) for k in range(100 - SETTLE_FRAMES - 1, 100)])
+    feed(assembler, [whole(k) for k in range(100 - LEARNING_FRAMES - 1, 100)])
     return assembler
 
 
@@ -66,13 +66,13 @@ def hips(frame: SensorFrame) -> float:
 
 
 def test_a_body_is_learnt_and_placed() -> None:
-    frames = feed(FrameAssembler(), [whole(k) for k in range(SETTLE_FRAMES + 2)])
-    assert [hips(frame) - SETTLE_FRAMES for frame in frames] == [-1, 0, 1]
+    frames = feed(FrameAssembler(), [whole(k) for k in range(LEARNING_FRAMES + 2)])
+    assert [hips(frame) - LEARNING_FRAMES for frame in frames] == [-1, 0, 1]
     frame = frames[0]
     assert frame.body.names == ("root", "lfemur", "ltibia", "lfoot", "rfemur", "rtibia", "rfoot")
     assert (frame.held, frame.stream) == (0, 1)
-    assert frame.time_s == (SETTLE_FRAMES - 1) * STEP
-    x = -0.01 * (SETTLE_FRAMES - 1)
+    assert frame.time_s == (LEARNING_FRAMES - 1) * STEP
+    x = -0.01 * (LEARNING_FRAMES - 1)
     expected = [[x, 1, 0], [x + 0.1, 1, 0], [x + 0.1, 0.6, 0], [x + 0.1, 0.2, 0]]
     np.testing.assert_allclose(frame.positions[:4], expected, atol=1e-6)
 
@@ -100,21 +100,21 @@ ORDERS = {
 def test_orders_of_a_frame(kind: str) -> None:
     assembler = FrameAssembler()
     frames = feed(assembler, [p for k in range(40) for p in ORDERS[kind](k)])
-    assert [hips(frame) for frame in frames] == list(range(SETTLE_FRAMES - 1, 40))
-    assert [frame.time_s for frame in frames] == [STEP * k for k in range(SETTLE_FRAMES - 1, 40)]
+    assert [hips(frame) for frame in frames] == list(range(LEARNING_FRAMES - 1, 40))
+    assert [frame.time_s for frame in frames] == [STEP * k for k in range(LEARNING_FRAMES - 1, 40)]
     assert all(frame.held == 0 for frame in frames)
     assert (assembler.counts.stale, assembler.counts.streams) == (0, 1)
 
 
 def test_without_stamps() -> None:
     frames = feed(FrameAssembler(), [p for k in range(40) for p in legs(k)], at=5.0)
-    assert [hips(frame) for frame in frames] == list(range(SETTLE_FRAMES - 1, 40))
+    assert [hips(frame) for frame in frames] == list(range(LEARNING_FRAMES - 1, 40))
     times = [frame.time_s for frame in frames]
     np.testing.assert_allclose(np.diff(times), 0.001 * len(NAMES))  # arrivals of the first bones
     heads = [b"#bundle\0" + struct.pack(">Q", int((3e9 + k * STEP) * 2**32)) for k in range(40)]
     frames = feed(FrameAssembler(), [bundle(*legs(k), head=heads[k]) for k in range(40)])
     assert [frame.time_s - 3e9 for frame in frames] == [
-        STEP * k for k in range(SETTLE_FRAMES - 1, 40)
+        STEP * k for k in range(LEARNING_FRAMES - 1, 40)
     ]
 
 
@@ -219,7 +219,7 @@ def test_a_clip_survives_the_wire(random_motion) -> None:
     assert assembler.counts.malformed == assembler.counts.unknown == 0
     places = np.asarray(global_positions(skeleton, motion))
     joints = [skeleton.index(name) for name in frames[0].body.names]
-    assert len(frames) == 30 - SETTLE_FRAMES + 1
+    assert len(frames) == 30 - LEARNING_FRAMES + 1
     assert sorted(joints) == sorted(find_bones(skeleton).values())
     for frame in frames:
         number = round(frame.time_s * 120)

@@ -1,34 +1,24 @@
-"""From a sender to a decision, over the loopback interface."""
+"""Packets and frames on their way: in simulated time, and over the loopback interface."""
 
 from __future__ import annotations
 
 import builtins
 import socket
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from mgjax.ballsport.aiming.hit_frame import choose_frame
-from mgjax.ballsport.clipset.build import ClipSet
-from mgjax.ballsport.hits.bones import analyse
-from mgjax.ballsport.live.recogniser import BRIDGE_S, LiveDriver, PassDecision
 from mgjax.clips.synthetic_kicks import synthetic_kicks
 from mgjax.clips.types import Clip
 from mgjax.core.errors import ConfigError, SkeletonError
 from mgjax.core.kinematics import global_positions
-from mgjax.core.motion import Motion, cut
+from mgjax.core.motion import cut
 from mgjax.core.skeleton import Skeleton
-from mgjax.io.load import load_motion
-from mgjax.sensor import receiver as sensor
-from mgjax.sensor.bones import JOINT_NAMES, find_bones
 from mgjax.sensor.config import HOST, PORT, ReplayConfig
-from mgjax.sensor.frames import SensorFrame
-from mgjax.sensor.receiver import SensorReceiver, clock
-from mgjax.sensor.replay import Replayed, replay
+from mgjax.sensor.inbox import FrameInbox
+from mgjax.sensor.receiver import SensorReceiver
+from mgjax.sensor.replay import Recording, play, replay
+from tests.sensor.transport import SAFETY_S, Loopback, SimulatedClock, wait_until
 
 
 @pytest.fixture(scope="module")
@@ -37,221 +27,119 @@ def kicks() -> dict[str, Clip]:
     return {clip.name: clip for clip in clips}
 
 
-@contextmanager
-def playing(
-    skeleton: Skeleton, motion: Motion, port: int, config: ReplayConfig
-) -> Iterator[list[Replayed]]:
-    """A clip that is sent meanwhile."""
-    sent: list[Replayed] = []
-
-    def run() -> None:
-        sent.append(replay(skeleton, motion, port=port, config=config))
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    yield sent
-    thread.join()
-
-
-def live(
-    driver: LiveDriver, skeleton: Skeleton, motion: Motion, config: ReplayConfig
-) -> tuple[list[PassDecision], list[SensorFrame], SensorReceiver, Replayed]:
-    """What a replayed clip decides."""
-    decided: list[PassDecision] = []
-    frames: list[SensorFrame] = []
-    with SensorReceiver(port=0) as receiver:
-        with playing(skeleton, motion, receiver.port, config) as sent:
-            quiet = False
-            while not (sent and quiet):
-                quiet = True
-                for frame in receiver.frames(0.3):
-                    quiet = False
-                    frames.append(frame)
-                    decided += driver.push(frame)
-        decided += driver.finish()
-    return decided, frames, receiver, sent[0]
-
-
-def offline(skeleton: Skeleton, motion: Motion) -> list[tuple[str, float, float]]:
-    places = np.asarray(global_positions(skeleton, motion))
-    rate = motion.frame_rate
-    hits = analyse(skeleton, places, rate)
-    return [(h.bone, h.hit.fastest / rate, (h.hit.stop - 1) / rate) for h in hits]
-
-
-def check(
-    decision: PassDecision, expected: tuple[str, float, float], late_s: float, speed: float
-) -> None:
-    """The kick that the clip has, and times that fit each other."""
-    bone, fastest, end = expected
-    assert decision.bone == bone
-    assert abs(decision.fastest_s - fastest) < 0.05
-    assert abs(decision.end_s - end) < 0.1
-    assert decision.start_s < decision.fastest_s <= decision.end_s <= decision.decided_s
-    assert decision.decided_s - decision.fastest_s < 2.0
-    waited = (decision.decided_s - decision.end_s) / speed
-    assert 0 < decision.compute_s < decision.latency_s < decision.latency_from_fastest_s
-    # Frames arrive as late as the sender was.
-    assert waited - late_s - 0.02 < decision.latency_s
-
-
-@pytest.mark.parametrize("side", ["left", "right"])
-def test_a_made_kick_decides_a_pass(made_set: ClipSet, kicks: dict[str, Clip], side: str) -> None:
-    clip = kicks[f"kick_attack_{side}"]
-    config = ReplayConfig(speed=2.0)
-    decided, frames, receiver, sent = live(LiveDriver(made_set), clip.skeleton, clip.motion, config)
-    (expected,) = offline(clip.skeleton, clip.motion)
-    (decision,) = decided
-    assert expected[0] == f"{side}_foot"
-    check(decision, expected, sent.late_s, 2.0)
-    assert decision.kind == made_set.hit_kind[decision.hit] == "attack"
-    assert made_set.hit_bone[decision.hit] == decision.bone
-    # The pass: the stored hit sends a ball to a receiver 6 m ahead, with one bounce.
-    path, velocity = made_set.bone_path(decision.hit)
-    way = velocity[np.argmax(np.linalg.norm(velocity, axis=1))] * [1, 0, 1]
-    target = path[0] * [1, 0, 1] + 6 * way / np.linalg.norm(way) + [0, 0.3, 0]
-    chosen = choose_frame(
-        path.astype(np.float32), velocity.astype(np.float32), target.astype(np.float32), bounces=1
-    )
-    assert int(chosen.aim.status) == 0
-    # Without loss all joints stand where they stood in the clip.
-    places = np.asarray(global_positions(clip.skeleton, clip.motion))
-    joints = [clip.skeleton.index(name) for name in frames[0].body.names]
-    assert (sent.frames, sent.lost) == (clip.motion.num_frames, 0)
-    assert receiver.counts.malformed == receiver.counts.unknown == 0
-    for frame in frames:
-        number = round(frame.time_s * 60)
-        np.testing.assert_allclose(frame.positions, places[number, joints], atol=1e-4)
-
-
-def test_loss_reorder_and_jitter(made_set: ClipSet, kicks: dict[str, Clip]) -> None:
-    clip = kicks["kick_attack_right"]
-    config = ReplayConfig(speed=2.0, loss=0.15, reorder=0.1, jitter_s=0.005, seed=1)
-    decided, frames, receiver, sent = live(LiveDriver(made_set), clip.skeleton, clip.motion, config)
-    (expected,) = offline(clip.skeleton, clip.motion)
-    (decision,) = decided
-    check(decision, expected, sent.late_s, 2.0)
-    assert sent.lost > 0
-    assert receiver.counts.datagrams <= sent.packets
-    assert any(frame.held for frame in frames)
-    times = [frame.time_s for frame in frames]
-    assert times == sorted(set(times))
-
-
-def test_real_kick(made_set: ClipSet, capture: Path) -> None:
-    """A captured kick at real time: the right foot, and where and when it was."""
-    skeleton, motion = load_motion(capture / "ball/cmu10/10_02.amc")
-    motion = cut(motion, 216, 480)  # 1.8 … 4 s
-    decided, frames, _, sent = live(LiveDriver(made_set), skeleton, motion, ReplayConfig())
-    (expected,) = offline(skeleton, motion)
-    (decision,) = decided
-    assert decision.bone == expected[0] == "right_foot"
-    assert abs(decision.fastest_s + 1.8 - 2.92) < 0.1  # as labelled
-    check(decision, expected, sent.late_s, 1.0)
-    places = np.asarray(global_positions(skeleton, motion))
-    joint = {JOINT_NAMES[bone]: joint for bone, joint in find_bones(skeleton).items()}
-    joints = [joint[name] for name in frames[0].body.names]
-    worst = max(
-        float(np.abs(f.positions - places[round(f.time_s * 120), joints]).max()) for f in frames
-    )
-    assert worst < 1e-4
-
-
-def frames_of(clip: Clip, *, first_stream: int = 1) -> list[SensorFrame]:
-    """A clip as frames without a sender."""
-    places = np.asarray(global_positions(clip.skeleton, clip.motion))
-    return [
-        SensorFrame(
-            time_s=k / 60, arrival_s=clock(), stream=first_stream, body=clip.skeleton,
-            positions=place, held=0,
-        )
-        for k, place in enumerate(places)
-    ]  # fmt: skip
-
-
-def test_a_new_stream_finishes_the_old(made_set: ClipSet, kicks: dict[str, Clip]) -> None:
-    clip = kicks["kick_pass_left"]
-    driver = LiveDriver(made_set)
-    assert driver.finish() == []
-    end = offline(clip.skeleton, clip.motion)[0][2]
-    short = frames_of(clip)[: round(end * 60) + 5]
-    assert [d for frame in short for d in driver.push(frame)] == []
-    (decision,) = driver.push(frames_of(clip, first_stream=2)[0])
-    assert (decision.bone, decision.kind) == ("left_foot", "pass")
-    rest = frames_of(clip, first_stream=2)[1:]
-    assert len([d for frame in rest for d in driver.push(frame)] + driver.finish()) == 1
-
-
-def test_held_and_missing_frames_are_bridged(made_set: ClipSet, kicks: dict[str, Clip]) -> None:
-    clip = kicks["kick_attack_right"]
-    clean = frames_of(clip)
-    (expected,) = decide(made_set, clean)
-    spoiled: list[SensorFrame] = []
-    for k, frame in enumerate(clean):
-        if k % 3 == 1:
-            continue
-        if k % 6 == 3:  # a foot that has stayed behind
-            positions = np.asarray(frame.positions + 0.5)
-            values = {**vars(frame), "positions": positions, "held": 2}
-            frame = SensorFrame(**values)
-        spoiled.append(frame)
-    (decision,) = decide(made_set, spoiled)
-    assert (decision.bone, decision.kind) == (expected.bone, expected.kind)
-    assert abs(decision.speed_m_s - expected.speed_m_s) < 0.1 * expected.speed_m_s
-    assert abs(decision.fastest_s - expected.fastest_s) < 0.04
-    # A bone that is gone for good is not waited for.
-    gone = [SensorFrame(**{**vars(frame), "held": 1}) for frame in clean]
-    (decision,) = decide(made_set, gone)
-    assert abs(decision.fastest_s - expected.fastest_s) < BRIDGE_S
-
-
-def decide(clips: ClipSet, frames: list[SensorFrame]) -> list[PassDecision]:
-    driver = LiveDriver(clips)
-    return [d for frame in frames for d in driver.push(frame)] + driver.finish()
-
-
-def test_a_driver_needs_hits_of_its_bones(made_set: ClipSet) -> None:
-    with pytest.raises(ConfigError, match="no stored hit of head"):
-        LiveDriver(made_set, bones=("head",))
-
-
-def test_a_receiver_under_a_flood(kicks: dict[str, Clip]) -> None:
+def test_an_inbox_under_a_flood(kicks: dict[str, Clip]) -> None:
     """Noise comes all the time, and nobody takes the frames meanwhile."""
+    clip = kicks["kick_pass_left"]
+    rng = np.random.default_rng(0)
+    sent = Loopback(clip.skeleton, clip.motion, ReplayConfig(speed=4.0))
+    while sent.arrive():
+        for _ in range(3):
+            sent.put(rng.bytes(int(rng.integers(0, 1500))))
+    waiting = list(sent.frames(0.5))
+    waiting += sent.frames(0.1)  # nothing comes any more
+    counts = sent.counts
+    assert counts.malformed + counts.foreign > 50
+    assert len(waiting) == counts.frames > 50
+    assert all(np.isfinite(frame.positions).all() for frame in waiting)
+
+
+def test_the_oldest_frames_are_dropped(kicks: dict[str, Clip]) -> None:
+    clip = kicks["kick_pass_left"]
+    sent = Loopback(clip.skeleton, cut(clip.motion, 0, 60), capacity=4)
+    while sent.arrive():
+        pass
+    waiting = list(sent.frames(0.1))
+    counts = sent.counts
+    assert len(waiting) == 4
+    assert counts.overrun == counts.frames - 4 > 0
+    assert waiting[-1].time_s == pytest.approx(59 / 60)
+
+
+def test_a_slow_taker_gets_what_came_in_time(kicks: dict[str, Clip]) -> None:
+    """Time that passes while a frame is looked at loses none of those that wait."""
+    clip, clock = kicks["kick_pass_left"], SimulatedClock()
+    inbox = FrameInbox(clock=clock)
+    for _, datagram in Recording(clip.skeleton, cut(clip.motion, 0, 60), ReplayConfig()):
+        inbox.put(datagram, "sender")
+    taken = 0
+    for _ in inbox.frames(0.5):
+        taken += 1
+        clock.sleep(0.2)
+    assert taken == inbox.counts.frames > 10
+    assert list(inbox.frames(0.0)) == []
+
+
+def test_packets_are_sent_when_they_are_due(kicks: dict[str, Clip]) -> None:
+    """In order and at their times; a sender that is held up is late by as much, and says so."""
+    clip, clock = kicks["kick_pass_left"], SimulatedClock()
+    config = ReplayConfig(speed=2.0, loss=0.1, reorder=0.2, jitter_s=0.01, seed=3)
+    recording = Recording(clip.skeleton, cut(clip.motion, 0, 60), config)
+    sent: list[tuple[float, bytes]] = []
+
+    def send(datagram: bytes) -> None:
+        sent.append((clock.now, datagram))
+        if len(sent) == 20:
+            clock.sleep(0.25)
+
+    clock.until(7.0)
+    replayed = play(recording, send, clock=clock, sleep=clock.sleep)
+    due = list(recording)
+    assert [datagram for _, datagram in sent] == [datagram for _, datagram in due]
+    late = np.array([at - 7.0 - time for (at, _), (time, _) in zip(sent, due, strict=True)])
+    assert (late > -1e-4).all()
+    assert (np.abs(late[:20]) < 1e-3).all()
+    assert late[20] == pytest.approx(0.25 - (due[20][0] - due[19][0]), abs=1e-3)
+    assert np.abs(late[-1]) < 1e-3  # it has caught up
+    assert replayed.late_s == pytest.approx(late.max(), abs=1e-3)
+    assert (replayed.packets, replayed.lost) == (len(due), 120 - len(due))
+    assert replayed.frames == 60
+    assert replayed.seconds == pytest.approx(due[-1][0], abs=1e-2)
+
+
+def test_what_is_sent_over_loopback_arrives(kicks: dict[str, Clip]) -> None:
+    """Through real sockets: every datagram, and with the last of them the last frame."""
+    clip = kicks["kick_pass_left"]
+    motion = cut(clip.motion, 0, 60)
+    with SensorReceiver(port=0) as receiver:
+        sent = replay(clip.skeleton, motion, port=receiver.port, config=ReplayConfig(speed=4.0))
+        wait_until(lambda: receiver.counts.datagrams >= sent.packets)
+        waiting = []
+        for frame in receiver.frames(SAFETY_S):
+            waiting.append(frame)
+            if frame.time_s > 58.5 / 60:
+                break
+        counts = receiver.counts
+    assert (sent.frames, sent.packets, sent.lost) == (60, 120, 0)
+    assert counts.datagrams == 120
+    assert counts.malformed == counts.unknown == counts.stale == counts.foreign == 0
+    assert len(waiting) == counts.frames > 30
+    places = np.asarray(global_positions(clip.skeleton, motion))
+    joints = [clip.skeleton.index(name) for name in waiting[-1].body.names]
+    np.testing.assert_allclose(waiting[-1].positions, places[59, joints], atol=1e-4)
+    arrivals = [frame.arrival_s for frame in waiting]
+    assert arrivals == sorted(arrivals)
+
+
+def test_noise_over_loopback(kicks: dict[str, Clip]) -> None:
+    """What is no packet is counted and dropped by the thread that listens."""
     clip = kicks["kick_pass_left"]
     rng = np.random.default_rng(0)
     with (
         SensorReceiver(port=0) as receiver,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other,
     ):
-        with playing(clip.skeleton, clip.motion, receiver.port, ReplayConfig(speed=4.0)) as sent:
-            while not sent:
-                for _ in range(10):
-                    other.sendto(rng.bytes(int(rng.integers(0, 1500))), (HOST, receiver.port))
-                threading.Event().wait(0.02)
-        waiting = list(receiver.frames(0.5))
-    waiting += receiver.frames(0.1)  # nothing comes any more
-    counts = receiver.counts
-    assert counts.malformed + counts.foreign > 50
-    assert len(waiting) == counts.frames > 50
-    assert all(np.isfinite(frame.positions).all() for frame in waiting)
+        for number in range(50):
+            other.sendto(rng.bytes(int(rng.integers(1, 1500))), (HOST, receiver.port))
+            wait_until(lambda number=number: receiver.counts.datagrams > number)
+        assert receiver.counts.malformed == 50
+        (_, datagram), *_ = Recording(clip.skeleton, clip.motion, ReplayConfig())
+        other.sendto(datagram, (HOST, receiver.port))
+        wait_until(lambda: receiver.counts.datagrams == 51)
+        assert receiver.counts.malformed == 50
+        assert receiver.counts.streams == 1
 
 
-def test_the_oldest_frames_are_dropped(
-    kicks: dict[str, Clip], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sensor, "_QUEUE", 4)
-    clip = kicks["kick_pass_left"]
-    with SensorReceiver(port=0) as receiver:
-        replay(clip.skeleton, cut(clip.motion, 0, 60), port=receiver.port)
-        threading.Event().wait(0.5)  # until the last packets have been read, too
-    waiting = list(receiver.frames(0.1))
-    counts = receiver.counts
-    assert len(waiting) == 4
-    assert counts.overrun == counts.frames - 4 > 0
-    assert waiting[-1].time_s == pytest.approx(59 / 60)
-
-
-def test_silence(kicks: dict[str, Clip]) -> None:
+def test_silence() -> None:
     with SensorReceiver(port=0) as receiver:
         assert list(receiver.frames(0.02)) == []
         assert receiver.counts.datagrams == 0
@@ -263,15 +151,15 @@ def test_refused(kicks: dict[str, Clip], body: Skeleton, random_motion, monkeypa
     clip = kicks["kick_pass_left"]
     assert (HOST, PORT) == ("127.0.0.1", 39539)
     for config, words in (
-        (ReplayConfig(rate=0.0), "rate 0"),
-        (ReplayConfig(speed=-1.0), "speed -1"),
-        (ReplayConfig(speed=float("nan")), "speed nan"),
-        (ReplayConfig(loss=1.5), "loss 1.5"),
-        (ReplayConfig(reorder=float("nan")), "reorder nan"),
-        (ReplayConfig(jitter_s=-0.1), "jitter of -0.1"),
-        (ReplayConfig(seed=-1), "seed -1"),
+        (ReplayConfig(rate=0.0), "rate = 0"),
+        (ReplayConfig(speed=-1.0), "speed = -1"),
+        (ReplayConfig(speed=float("nan")), "speed = nan"),
+        (ReplayConfig(loss=1.5), "loss = 1.5, expected 0 … 1"),
+        (ReplayConfig(reorder=float("nan")), "reorder = nan"),
+        (ReplayConfig(jitter_s=-0.1), "jitter_s = -0.1, expected 0 … 10"),
+        (ReplayConfig(seed=-1), "seed = -1"),
     ):
-        with pytest.raises(ConfigError, match=words):
+        with pytest.raises(ConfigError, match=f"^got {words}"):
             replay(clip.skeleton, clip.motion, config=config)
     with pytest.raises(ConfigError, match="port 70000"):
         replay(clip.skeleton, clip.motion, port=70000)

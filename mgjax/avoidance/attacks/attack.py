@@ -120,33 +120,33 @@ def validate_attack(attack: Attack) -> None:
     """Raises :class:`AttackError` unless the attack is finite, ordered and has spheres."""
     if attack.centres.shape != (len(attack.times), len(attack.radii), 3) or not attack.centres.size:
         raise AttackError(
-            f"got centres of shape {attack.centres.shape}, expected"
-            f" {(len(attack.times), len(attack.radii), 3)}, not empty"
+            got=f"centres of shape {attack.centres.shape}",
+            expected=f"{(len(attack.times), len(attack.radii), 3)}, not empty",
         )
     for name in ("times", "centres", "radii"):
         if not _all_finite(getattr(attack, name)):
-            raise AttackError(f"got attack {name} that are not finite, expected numbers")
+            raise AttackError(got=f"attack {name} that are not finite", expected="numbers")
     if not 0 <= attack.acceleration < np.inf:
         raise AttackError(
-            f"got an acceleration of {attack.acceleration:g} m/s², expected 0 or more"
+            got=f"an acceleration of {attack.acceleration:g} m/s²", expected="0 or more"
         )
     if not (attack.times[1:] > attack.times[:-1]).all():
-        raise AttackError("got attack times that do not ascend, expected ascending times")
+        raise AttackError(got="attack times that do not ascend", expected="ascending times")
     for name in ("starts", "stops"):
         moments = getattr(attack, name)
         if moments is None:
             continue
         if moments.shape != attack.radii.shape or not np.isin(moments, attack.times).all():
-            raise AttackError(f"got {name} that are no knots, expected a knot for each sphere")
+            raise AttackError(got=f"{name} that are no knots", expected="a knot for each sphere")
     come_and_go = attack.starts is not None or attack.stops is not None
     if come_and_go and not attack.active(attack.times).any(axis=0).all():
-        raise AttackError("got a sphere that stops before it starts, expected start ≤ stop")
+        raise AttackError(got="a sphere that stops before it starts", expected="start ≤ stop")
     if min(attack.radii.tolist()) <= 0:
-        raise AttackError(f"got a radius of {attack.radii.min():g} m, expected more than 0")
+        raise AttackError(got=f"a radius of {attack.radii.min():g} m", expected="more than 0")
     if attack.end > MAX_SECONDS:
         raise AttackError(
-            f"got an attack that lasts until {attack.end:g} s from now, expected at most"
-            f" {MAX_SECONDS:g} s"
+            got=f"an attack that lasts until {attack.end:g} s from now",
+            expected=f"at most {MAX_SECONDS:g} s",
         )
 
 

@@ -10,12 +10,11 @@ from jaxtyping import Float
 from scipy.optimize import minimize_scalar, root_scalar
 
 from mgjax.avoidance.attacks.attack import MAX_SECONDS, Attack
+from mgjax.avoidance.config import BALL_RADIUS_M
+from mgjax.core.ballistics import drag_factors
 from mgjax.core.errors import AttackError
 
 GRAVITY_M_S2 = 9.8
-
-
-BALL_RADIUS_M = 0.12
 
 
 BEYOND_M = 3.0
@@ -60,16 +59,18 @@ def ball_attack(
     numbers = {"speed": speed, "arrival": arrives, "radius": radius}
     for name, value in numbers.items():
         if not (np.isfinite(value) and 0 < value <= 1000):
-            raise AttackError(f"got {name} {value:g}, expected more than 0 and at most 1000")
+            raise AttackError(got=f"{name} {value:g}", expected="more than 0 and at most 1000")
     if not 0 <= drag <= MAX_DRAG:
-        raise AttackError(f"got drag {drag:g} per second, expected 0 … {MAX_DRAG:g}")
+        raise AttackError(got=f"drag {drag:g} per second", expected=f"0 … {MAX_DRAG:g}")
     for name, place in (("start", a), ("target", b)):
         if place.shape != (3,) or not np.isfinite(place).all() or np.abs(place).max() > 1000:
-            raise AttackError(f"got {name} {place.tolist()}, expected three numbers within 1000 m")
+            raise AttackError(
+                got=f"{name} {place.tolist()}", expected="three numbers within 1000 m"
+            )
         if place[1] < 0:
-            raise AttackError(f"got a {name} {-place[1]:g} m under the floor, expected y ≥ 0")
+            raise AttackError(got=f"a {name} {-place[1]:g} m under the floor", expected="y ≥ 0")
     if np.linalg.norm(b - a) < 1e-6:
-        raise AttackError("got a throw to the place it starts from, expected another")
+        raise AttackError(got="a throw to the place it starts from", expected="another")
     pull = np.array([0.0, -GRAVITY_M_S2 if gravity else 0.0, 0.0])
     velocity, flight = _launch(b - a, speed, pull, drag)
     until = flight + _seconds_beyond(velocity, flight, pull, drag)
@@ -77,15 +78,15 @@ def ball_attack(
     launch = arrives - flight
     if launch + until > MAX_SECONDS:
         raise AttackError(
-            f"got a ball that is under way until {launch + until:.4g} s from now, expected at most"
-            f" {MAX_SECONDS:g} s"
+            got=f"a ball that is under way until {launch + until:.4g} s from now",
+            expected=f"at most {MAX_SECONDS:g} s",
         )
     known = max(0.0, -launch)  # what was before now does not matter
     rate = _KNOT_RATE if gravity or drag else 0.0  # a straight line needs none in between
     since = _evenly(known, flight, rate)
     if until - flight > 1e-6:
         since = np.concatenate([since[:-1], _evenly(flight, until, rate)])
-    coast, fall = _flight_factors(since, drag)
+    coast, fall = drag_factors(since, drag)
     centres = a + velocity * coast[:, None] + pull * fall[:, None]
     return Attack(
         times=since + launch,
@@ -99,22 +100,8 @@ def _evenly(start: float, stop: float, rate: float) -> np.ndarray:
     return np.linspace(start, stop, max(2, int(np.ceil((stop - start) * rate)) + 1))
 
 
-def _flight_factors(t: np.ndarray, drag: float) -> tuple[np.ndarray, np.ndarray]:
-    """Factors of launch velocity and of gravity in the way covered in t seconds.
-
-    The way is v · (1 − e^−ct)/c + g · (ct − 1 + e^−ct)/c²; without drag v · t + g · t²/2.
-    """
-    u = drag * t
-    safe = np.where(u > 0, u, 1.0)
-    coast = np.where(u > 0, -np.expm1(-u) / safe, 1.0)
-    # The fraction loses its digits where u is small; there the series of seven terms is exact.
-    series = np.polyval([1 / 40320, -1 / 5040, 1 / 720, -1 / 120, 1 / 24, -1 / 6, 1 / 2], u)
-    fall = np.where(u > 0.02, (u + np.expm1(-u)) / safe**2, series)
-    return t * coast, t * t * fall
-
-
 def _factors_at(t: float, drag: float) -> tuple[float, float]:
-    coast, fall = _flight_factors(np.array([t]), drag)
+    coast, fall = drag_factors(np.array([t]), drag)
     return float(coast[0]), float(fall[0])
 
 

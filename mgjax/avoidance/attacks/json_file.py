@@ -16,19 +16,18 @@ character's start pose.
 from __future__ import annotations
 
 import difflib
-import json
 import math
-import re
-from collections import Counter
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import MAX_SECONDS, Attack, validate_attack
-from mgjax.avoidance.attacks.ball import BALL_RADIUS_M, ball_attack
+from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.merge import merge_attacks
+from mgjax.avoidance.config import BALL_RADIUS_M
 from mgjax.core.errors import AttackError, FileFormatError
+from mgjax.io.json_text import Place, line_of, parse_json, shown
 from mgjax.io.text import read_text
 
 _LONG = ("radii", "times", "centres", "frame")
@@ -48,10 +47,6 @@ def load_attack(path: str | Path) -> Attack:
     return _Document(path).attack()
 
 
-_Place = tuple[str | int, ...]
-"""Where a value stands in a document: keys and indices, from the outermost."""
-
-
 class _Document:
     """A JSON document that knows in which line each of its values begins."""
 
@@ -59,46 +54,24 @@ class _Document:
         self.path = path
         self.text = text = read_text(path, "attack")
 
-        def refuse(word: str) -> NoReturn:
-            raise FileFormatError(path, None, word, "finite numbers")
-
-        try:
-            # As floats, numbers of any length can be read; one with too many digits is infinite.
-            root = json.loads(
-                text, object_pairs_hook=self._unique, parse_int=float, parse_constant=refuse
-            )
-        except json.JSONDecodeError as error:
-            got = f"no JSON ({error.msg})"
-            raise FileFormatError(path, error.lineno, got, "a JSON object") from None
-        except RecursionError:
-            raise FileFormatError(path, None, "JSON nested too deep", "a JSON object") from None
+        root = parse_json(path, text, expected="a JSON object", twice=self._twice)
         if not isinstance(root, dict):
-            self.fail((), f"{_kind(root)}", "an object with balls, or with radii, times, centres")
+            self.fail((), shown(root), "an object with balls, or with radii, times, centres")
         self.root: dict[str, Any] = root
 
-    def _unique(self, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        for key, count in Counter(key for key, _ in pairs).items():
-            if count > 1:
-                raise FileFormatError(self.path, None, f"key {key!a:.80} twice", "it once")
-        return dict(pairs)
+    def _twice(self, key: str) -> FileFormatError:
+        return FileFormatError(self.path, None, f"key {key!a:.80} twice", "it once")
 
-    def line_of(self, where: _Place) -> int | None:
-        """Line of a value, or of what holds it."""
-        lines = _lines(self.text)
-        return next(
-            (lines[where[:n]] for n in range(len(where), -1, -1) if where[:n] in lines), None
-        )
-
-    def fail(self, where: _Place, got: str, expected: str) -> NoReturn:
+    def fail(self, where: Place, got: str, expected: str) -> NoReturn:
         name = "".join(f"[{k}]" if isinstance(k, int) else f".{k}" for k in where).lstrip(".")
-        line = self.line_of(where)
+        line = line_of(self.text, where)
         raise FileFormatError(self.path, line, f"{name}: {got}" if name else got, expected)
 
-    def keys(self, where: _Place, found: dict[str, Any], known: tuple[str, ...]) -> None:
+    def keys(self, where: Place, found: dict[str, Any], known: tuple[str, ...]) -> None:
         for key in found:
             if key not in known:
                 near = difflib.get_close_matches(key, known, n=1, cutoff=0.0)[0]
-                line = self.line_of((*where, key))
+                line = line_of(self.text, (*where, key))
                 got = f"unknown key {key!a:.60}"
                 place = "".join(f"[{k}]" if isinstance(k, int) else k for k in where)
                 raise FileFormatError(
@@ -108,19 +81,19 @@ class _Document:
                     f"one such as {near!r} (known: {', '.join(known)})",
                 )
 
-    def number(self, where: _Place, value: Any) -> float:
+    def number(self, where: Place, value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, float) or not math.isfinite(value):
-            self.fail(where, _kind(value), "a finite number")
+            self.fail(where, shown(value), "a finite number")
         return value
 
-    def numbers(self, where: _Place, value: Any, count: int | None = None) -> np.ndarray:
+    def numbers(self, where: Place, value: Any, count: int | None = None) -> np.ndarray:
         items = self.items(where, value, "numbers", count)
         return np.array([self.number((*where, i), x) for i, x in enumerate(items)])
 
-    def items(self, where: _Place, value: Any, what: str, count: int | None = None) -> list[Any]:
+    def items(self, where: Place, value: Any, what: str, count: int | None = None) -> list[Any]:
         if not isinstance(value, list) or not value or (count and len(value) != count):
             expected = f"a list of {count} {what}" if count else f"a list of {what}, not empty"
-            self.fail(where, _kind(value), expected)
+            self.fail(where, shown(value), expected)
         return value
 
     def attack(self) -> Attack:
@@ -131,7 +104,7 @@ class _Document:
                 self.fail((key,), "it beside balls", "either balls or radii, times and centres")
         self.keys((), root, _SHORT if short else (_LONG if "radii" in root else (*_LONG, "balls")))
         if root.get("frame", "character") != "character":
-            self.fail(("frame",), _kind(root["frame"]), "'character'")
+            self.fail(("frame",), shown(root["frame"]), "'character'")
         if short:
             balls = self.items(("balls",), root["balls"], "balls")
             return merge_attacks([self.ball(i, ball) for i, ball in enumerate(balls)])
@@ -161,16 +134,16 @@ class _Document:
         return attack
 
     def ball(self, index: int, ball: Any) -> Attack:
-        where: _Place = ("balls", index)
+        where: Place = ("balls", index)
         if not isinstance(ball, dict):
-            self.fail(where, _kind(ball), f"an object with {', '.join(_BALL[:4])}")
+            self.fail(where, shown(ball), f"an object with {', '.join(_BALL[:4])}")
         self.keys(where, ball, _BALL)
         for key in _BALL[:4]:
             if key not in ball:
                 self.fail(where, f"no {key!r}", f"an object with {', '.join(_BALL[:4])}")
         gravity = ball.get("gravity", False)
         if not isinstance(gravity, bool):
-            self.fail((*where, "gravity"), _kind(gravity), "true or false")
+            self.fail((*where, "gravity"), shown(gravity), "true or false")
         return self.checked(
             where,
             ball_attack,
@@ -183,58 +156,9 @@ class _Document:
             radius=self.number((*where, "radius"), ball.get("radius", BALL_RADIUS_M)),
         )
 
-    def checked(self, where: _Place, function: Any, *args: Any, **more: Any) -> Any:
+    def checked(self, where: Place, function: Any, *args: Any, **more: Any) -> Any:
         """Calls a function whose complaints get the file and the line."""
         try:
             return function(*args, **more)
         except AttackError as error:
-            got, _, expected = str(error).removeprefix("got ").rpartition(", expected ")
-            self.fail(where, got, expected)
-
-
-def _kind(value: Any) -> str:
-    """A value for a message: short, on one line."""
-    if isinstance(value, list):
-        return f"a list of {len(value)}" if value else "an empty list"
-    if isinstance(value, dict):
-        return "an object"
-    if isinstance(value, str):
-        return ascii(value if len(value) <= 40 else value[:37] + "...")
-    return f"{value:g}" if type(value) is float else json.dumps(value)
-
-
-_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[\[\]{},:]|[^\s\[\]{},:"]+|\n')
-
-
-def _lines(text: str) -> dict[_Place, int]:
-    """Line at which each value, or its key, begins in a text that is known to be JSON."""
-    found: dict[_Place, int] = {}
-    line = 1
-    place: list[str | int] = []  # of the value that comes next
-    in_object: list[bool] = []
-    key_next = False
-    for match in _TOKEN.finditer(text):
-        token = match.group()
-        if token == "\n":
-            line += 1
-        elif token in "]}":
-            place.pop()
-            in_object.pop()
-            key_next = False
-        elif token == ",":
-            if in_object[-1]:
-                key_next = True
-            else:
-                place[-1] = int(place[-1]) + 1
-        elif token == ":":
-            key_next = False
-        elif key_next:
-            place[-1] = json.loads(token)
-            found[tuple(place)] = line
-        else:
-            found.setdefault(tuple(place), line)
-            if token in "[{":
-                place.append(0)
-                in_object.append(token == "{")
-                key_next = token == "{"
-    return found
+            self.fail(where, error.got, error.expected)

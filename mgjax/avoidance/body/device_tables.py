@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from enum import IntEnum
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.avoidance.body.chord_error import frame_bends, seam_bends
-from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables, speed_classes
+from mgjax.avoidance.body.chord_error import frame_chord_errors, seam_chord_errors
+from mgjax.avoidance.body.edge_tables import EdgeTables, speed_classes
+from mgjax.avoidance.body.poses import PosedGraph
 from mgjax.avoidance.config import SpeedConfig
 from mgjax.core import planar
 from mgjax.core.arrays import Array
@@ -22,22 +23,53 @@ from mgjax.graph.types import MotionGraph
 NOT_THERE_M = -1e3
 """Radius of the columns that pad the body's spheres: never near anything."""
 
-SECONDS, FIRST, STEPS = 0, 6, 7
-"""Columns of :attr:`DeviceTables.edge_rows`."""
 
-SEAM, RANK, FOLLOWERS = 0, 1, 2
-"""Columns of :attr:`DeviceTables.edge_links`; the followers go on to the last."""
+class EdgeColumn(IntEnum):
+    """Columns of :attr:`DeviceTables.edge_rows`; the first six are the fields of an edge's row.
 
-BEND = 3
-"""Column of :attr:`DeviceTables.trace`, after the root."""
+    The duration in s; turn, x and z of the step; 1 where it may be slowed down, and sped up; its
+    first row of the pool, and its intervals there.
+    """
 
-PART_START, PART_STOP, PART_CENTRE = 0, 1, 2
-"""Columns of :attr:`DeviceTables.parts`."""
+    SECONDS = 0
+    TURN = 1
+    X = 2
+    Z = 3
+    SLOW_DOWN = 4
+    SPEED_UP = 5
+    FIRST = 6
+    STEPS = 7
+
+
+class LinkColumn(IntEnum):
+    """Columns of :attr:`DeviceTables.edge_links`; those from ``FOLLOWERS`` on are the followers."""
+
+    SEAM = 0
+    RANK = 1
+    FOLLOWERS = 2
+
+
+class RootColumn(IntEnum):
+    """Columns of :attr:`DeviceTables.root_rows`."""
+
+    X = 0
+    Y = 1
+    Z = 2
+    CHORD_ERROR = 3
+
+
+class PartColumn(IntEnum):
+    """Columns of :attr:`DeviceTables.parts`, seconds within the part's edge."""
+
+    START = 0
+    STOP = 1
+    CENTRE = 2
+
 
 FOLLOWING = 8
 """Edges that are played after a path by default."""
 
-LANES = 16
+SPHERE_LANES = 16
 """Body spheres are padded to a multiple of this, which the compiler vectorises."""
 
 
@@ -47,18 +79,17 @@ class DeviceTables:
     """What the jitted search reads; see :class:`mgjax.avoidance.body.edge_tables.EdgeTables`.
 
     Attributes:
-        edge_rows: what it takes to lay an edge, in one row: its duration in s, turn, x and z of its
-            step, 1 where it may be slowed down and sped up, its first row of ``pool`` and its
-            intervals there. [E, 8]
-        edge_links: row of ``seam_bend`` for an edge and the first edge out of its target; its
+        edge_rows: what it takes to place an edge, in one row; see :class:`EdgeColumn`. [E, 8]
+        edge_links: row of ``seam_errors`` for an edge and the first edge out of its target; its
             place among the edges that leave its node; then the edges that follow it by default,
-            each the longest that leaves its node. [E, 2+FOLLOWING]
+            each the longest that leaves its node; see :class:`LinkColumn`. [E, 2+FOLLOWING]
         pool: x of all spheres, then y, then z, each padded. [P, 3·S]
-        trace: x, y and z of the root at the same moments, and the largest way of a sphere off the
-            straight line to the next moment, m; infinite where the moments are not the frames of
-            the graph. [P, 4]
-        seam_bend: the same from the last frame of an edge to the first pose of the next. [Q]
-        parts: start, stop and middle of each part, seconds within its edge. [A, 3]
+        root_rows: x, y and z of the root at these moments, and the chord error: the largest
+            distance of a sphere from the straight line to the next moment, m; infinite where the
+            moments are not the frames of the graph. [P, 4]
+        seam_errors: the chord error from the last frame of an edge to the first pose of the next,
+            m. [Q]
+        parts: start, stop and middle of each part; see :class:`PartColumn`. [A, 3]
         radii: of the body's spheres, m; ``NOT_THERE_M`` for padding. [S]
         numbers: the largest speed of the root at natural speed, m/s, and a 1.
     """
@@ -66,8 +97,8 @@ class DeviceTables:
     edge_rows: Float[Array, "E 8"]
     edge_links: Int[Array, "E D"]
     pool: Float[Array, "P K"]
-    trace: Float[Array, "P 4"]
-    seam_bend: Float[Array, " Q"]
+    root_rows: Float[Array, "P 4"]
+    seam_errors: Float[Array, " Q"]
     parts: Float[Array, "A 3"]
     radii: Float[Array, " S"]
     numbers: Float[Array, " 2"]
@@ -78,32 +109,24 @@ class DeviceTables:
         return self.numbers[0]
 
     @property
-    def there(self) -> Bool[Array, ""]:
+    def opaque_true(self) -> Bool[Array, ""]:
         """True, which a compiler does not know; see :func:`mgjax.core.xla.materialise.stage`."""
         return self.numbers[1] > 0
 
 
-@lru_cache(maxsize=8)
-def search_tables(
-    graph: MotionGraph, body_rate: float, speed: SpeedConfig
-) -> tuple[EdgeTables, DeviceTables]:
-    """The tables of a graph, kept: they are made once for all attacks."""
-    tables = edge_tables(graph, body_rate)
-    return tables, device_tables(graph, tables, speed)
-
-
-def device_tables(graph: MotionGraph, tables: EdgeTables, speed: SpeedConfig) -> DeviceTables:
-    """Puts the tables into jax arrays, padded so that few graphs compile anew."""
+def device_tables(posed: PosedGraph, tables: EdgeTables, speed: SpeedConfig) -> DeviceTables:
+    """Puts the tables of a graph into jax arrays, padded so that few graphs compile anew."""
+    graph = posed.graph
     slow_down, speed_up = speed_classes(tables.top_speed, speed)
 
     def padded(x: np.ndarray, kind: type, least: int) -> jax.Array:
         return jnp.asarray(pad_axis(x.astype(kind), bucket_size(len(x), least), value=0))
 
     spheres = len(tables.spheres.radii)
-    width = -(-spheres // LANES) * LANES
+    width = -(-spheres // SPHERE_LANES) * SPHERE_LANES
     radii = np.full(width, NOT_THERE_M)
     radii[:spheres] = tables.spheres.radii
-    bend, seam_bend = _all_bends(graph, tables)
+    chord_errors, seam_errors = _all_chord_errors(posed, tables)
     root = _roots(graph, tables)
     marks = (slow_down, speed_up, tables.pool_first, tables.pool_steps)
     edge_rows = np.column_stack((tables.seconds, tables.step, *marks))
@@ -115,8 +138,8 @@ def device_tables(graph: MotionGraph, tables: EdgeTables, speed: SpeedConfig) ->
         edge_rows=padded(edge_rows, np.float32, 1 << 12),
         edge_links=padded(edge_links, np.int32, 1 << 12),
         pool=padded(_wide_pool(tables, width), np.float32, 1 << 15),
-        trace=padded(np.column_stack((root, bend)), np.float32, 1 << 15),
-        seam_bend=padded(seam_bend, np.float32, 1 << 14),
+        root_rows=padded(np.column_stack((root, chord_errors)), np.float32, 1 << 15),
+        seam_errors=padded(seam_errors, np.float32, 1 << 14),
         parts=padded(parts, np.float32, 128),
         radii=jnp.asarray(radii, dtype=jnp.float32),
         numbers=jnp.asarray([_top_root_speed(tables, root), 1.0], dtype=jnp.float32),
@@ -154,16 +177,18 @@ def _top_root_speed(tables: EdgeTables, root: Float[np.ndarray, "P 3"]) -> float
     return float((np.linalg.norm(np.diff(root, axis=0), axis=1) * rate)[within].max(initial=0.0))
 
 
-def _all_bends(graph: MotionGraph, tables: EdgeTables) -> tuple[np.ndarray, np.ndarray]:
-    """``bend`` and ``seam_bend``."""
+def _all_chord_errors(posed: PosedGraph, tables: EdgeTables) -> tuple[np.ndarray, np.ndarray]:
+    """Chord errors of the rows of the pool, and of all seams."""
+    graph = posed.graph
     fan = np.diff(graph.out_first)[graph.edge_target]
     edges = np.repeat(np.arange(graph.num_edges), fan)
-    within = np.arange(len(edges)) - np.repeat(np.cumsum(fan) - fan, fan)
-    following = graph.out_edges[graph.out_first[graph.edge_target[edges]] + within]
+    nth = np.arange(len(edges)) - np.repeat(np.cumsum(fan) - fan, fan)
+    following = graph.out_edges[graph.out_first[graph.edge_target[edges]] + nth]
     if not np.array_equal(tables.pool_steps, graph.edge_frames):
         return np.full(len(tables.pool), np.inf), np.full(len(edges), np.inf)
     _, frame = _rows(graph, tables)
-    return frame_bends(graph)[frame.astype(np.int64)], seam_bends(graph, edges, following)
+    within = frame_chord_errors(posed)[frame.astype(np.int64)]
+    return within, seam_chord_errors(posed, edges, following)
 
 
 def _followers(graph: MotionGraph) -> Int[np.ndarray, "FOLLOWING E"]:

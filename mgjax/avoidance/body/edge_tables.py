@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -37,6 +36,7 @@ class EdgeTables:
         part_start, part_stop, part_centre: seconds within the edge. [A]
         part_first, part_ids: the parts of edge e are part_ids[part_first[e]:part_first[e+1]].
         nearest_part: least seconds from a node to the middle of a part; inf if there is none. [N]
+        farthest: how far from a node a body that stands there may be, m, and a millimetre more.
     """
 
     spheres: BodySpheres
@@ -53,11 +53,11 @@ class EdgeTables:
     part_first: Int[np.ndarray, " E1"]
     part_ids: Int[np.ndarray, " A"]
     nearest_part: Float[np.ndarray, " N"]
+    farthest: float
 
 
-@lru_cache(maxsize=8)
 def edge_tables(graph: MotionGraph, body_rate: float) -> EdgeTables:
-    """The tables of a graph, with body volumes sampled ``body_rate`` times a second."""
+    """Makes the tables of a graph, with body volumes sampled ``body_rate`` times a second."""
     spheres = preset_spheres(graph.skeleton)
     positions = np.asarray(
         forward(graph.skeleton, graph.root_translation, graph.local_rotations)[0]
@@ -92,6 +92,7 @@ def edge_tables(graph: MotionGraph, body_rate: float) -> EdgeTables:
         part_first=np.concatenate([[0], np.cumsum(counts)]),
         part_ids=np.argsort(part_edge, kind="stable"),
         nearest_part=_nearest_parts(graph, seconds, part_edge, 0.5 * (start + stop)),
+        farthest=_farthest(pool[first], spheres),
     )
 
 
@@ -110,6 +111,12 @@ def _sample_spheres(
     plane = graph.node_plane[graph.edge_source[edge]]
     local = np.asarray(planar.apply(np.asarray(planar.inverse(plane))[:, None], mixed))
     return np.ascontiguousarray(np.moveaxis(local, -1, 1)).reshape(len(edge), -1).astype(np.float32)
+
+
+def _farthest(pool: np.ndarray, spheres: BodySpheres) -> float:
+    """How far spheres are from the origin of poses [E, 3·S], and a millimetre more, m."""
+    distances = np.linalg.norm(pool.reshape(len(pool), 3, -1), axis=1)
+    return float((distances + spheres.radii).max(initial=0.0)) + 1e-3
 
 
 def _top_speeds(graph: MotionGraph, positions: np.ndarray) -> np.ndarray:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -61,17 +60,7 @@ def preset_spheres(skeleton: Skeleton) -> BodySpheres:
     :class:`SkeletonError` names what is missing. Hands, toes and the top of the head fall back to
     the end of their bone, and to the joint itself where there is none.
     """
-    offsets = np.asarray(skeleton.offsets, dtype=np.float32)
-    return _preset(skeleton.names, skeleton.parents, skeleton.end_joints, offsets.tobytes())
-
-
-@lru_cache(maxsize=16)
-def _preset(
-    names: tuple[str, ...], parents: tuple[int, ...], end_joints: tuple[int, ...], offsets: bytes
-) -> BodySpheres:
-    """Kept, since joints are looked up by name and every check asks for the spheres."""
-    places = np.frombuffer(offsets, dtype=np.float32).reshape(-1, 3)
-    skeleton = Skeleton(names=names, parents=parents, offsets=places, end_joints=end_joints)
+    skeleton = replace(skeleton, offsets=np.asarray(skeleton.offsets, dtype=np.float32))
     height = float(np.ptp(rest_positions(skeleton)[:, 1]))
     scale = height / PRESET_HEIGHT_M if height > 0.1 else 1.0
     rows: list[tuple[str, int, int, float, float]] = []

@@ -9,6 +9,7 @@ looked at.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 import jax
 import jax.numpy as jnp
@@ -27,13 +28,13 @@ from mgjax.avoidance.attacks.batch import (
     places_at_frames,
     presence,
 )
-from mgjax.avoidance.body.device_tables import FOLLOWERS, FOLLOWING, DeviceTables
+from mgjax.avoidance.body.device_tables import FOLLOWING, DeviceTables, LinkColumn
 from mgjax.avoidance.body.volumes import (
-    SCALE,
-    Laid,
-    bends_at,
-    find,
-    lay,
+    PlacedColumn,
+    PlacedEdges,
+    chain_transforms,
+    chord_errors_at,
+    locate,
     read_edges,
     root_at,
     spheres_at,
@@ -45,72 +46,74 @@ from mgjax.core.xla.materialise import stage
 from mgjax.core.xla.pytree import register
 from mgjax.graph.types import NO_EDGE
 
-LANES = 2
+FIRST_LANES = 2
 """Walks that are looked at with the ranking: the winner is nearly always among the first."""
 
 MORE_LANES = 32
 """Walks that are looked at together after those."""
 
-FRAMES = 64
+CHUNK_FRAMES = 64
 """Frames that are looked at together."""
 
 STRIDE = 4
 """One in so many frames tells when a single sphere may be near a walk at all."""
 
 ROUNDING_M = 1e-4
-"""Beside twice the bend: what 32 bits and the written motion's own frames differ by."""
+"""Beside twice the chord error: what 32 bits and the written motion's own frames differ by."""
 
 SEAM_M = 0.05
 """How far a root may move from one edge to the next beside what its speed tells."""
 
-_BENDS = 2.0
+_ARCS = 2.0
 """A written frame lies between two frames of the graph, and the body moves between two written
-frames along yet another arc: each differs from a straight line by one bend at most."""
+frames along yet another arc: each differs from a straight line by one chord error at most."""
 
-_FIGURES = ("clearance", "least", "doubt_from", "touched_from", "path_end")
+
+class BoundColumn(IntEnum):
+    """Columns of :attr:`Bounds.figures`; what each says stands at the property of its name."""
+
+    CLEARANCE = 0
+    LOWER_BOUND = 1
+    CONTACT_FROM = 2
+    PATH_END = 3
 
 
 @register()
 @dataclass(frozen=True, kw_only=True)
 class Bounds:
-    """What is certain about some walks.
+    """What is certain about the clearance of each of K walks.
 
     Attributes:
         edges, scales: the walks with what follows them. [K, M]
-        figures: the properties below, in one array. [K, 5]
+        figures: the properties below, in one array. [K, 4]
     """
 
     edges: Int[Array, "*k M"]
     scales: Float[Array, "*k M"]
-    figures: Float[Array, "*k 5"]
+    figures: Float[Array, "*k 4"]
 
     @property
     def clearance(self) -> Float[Array, "*k"]:
-        """Of the table's body, m."""
-        return self.figures[..., 0]
+        """Clearance of the table's body, m."""
+        return self.figures[..., BoundColumn.CLEARANCE]
 
     @property
-    def least(self) -> Float[Array, "*k"]:
+    def lower_bound(self) -> Float[Array, "*k"]:
         """The clearance of the written motion is at least this, m."""
-        return self.figures[..., 1]
+        return self.figures[..., BoundColumn.LOWER_BOUND]
 
     @property
-    def doubt_from(self) -> Float[Array, "*k"]:
-        """Seconds until which the walk is certainly clear; ``FAR`` if throughout."""
-        return self.figures[..., 2]
-
-    @property
-    def touched_from(self) -> Float[Array, "*k"]:
-        """Seconds from which it is certainly touched; ``FAR`` if not certainly."""
-        return self.figures[..., 3]
+    def contact_from(self) -> Float[Array, "*k"]:
+        """Seconds from which the walk is certainly touched; ``FAR`` if not certainly."""
+        return self.figures[..., BoundColumn.CONTACT_FROM]
 
     @property
     def path_end(self) -> Float[Array, "*k"]:
         """When the path is over, s."""
-        return self.figures[..., 4]
+        return self.figures[..., BoundColumn.PATH_END]
 
 
-def certify(
+def clearance_bounds(
     tables: DeviceTables,
     walks: Walks,
     scales: Float[Array, "L K"],
@@ -128,24 +131,30 @@ def certify(
         frame_rate: of the graph.
     """
     own = shots if walks.owner is None else shots.of(walks.owner)
-    edges, scales = stage(tables.there, _go_on, tables.edge_links, walks, scales)
-    laid = stage(tables.there, lambda e, s: lay(tables, e, read_edges(tables, e), s), edges, scales)
+    edges, scales = stage(tables.opaque_true, _continued, tables.edge_links, walks, scales)
+    placed = stage(
+        tables.opaque_true,
+        lambda e, s: chain_transforms(tables, e, read_edges(tables, e), s),
+        edges,
+        scales,
+    )
     lanes = jnp.arange(walks.length.shape[0], dtype=jnp.int32)
-    path_end = laid.ends[jnp.maximum(walks.length - 1, 0), lanes]
+    path_end = placed.ends[jnp.maximum(walks.length - 1, 0), lanes]
     # Sped up further, a walk would pass several frames of the graph between two written ones.
     quick = jnp.any((edges != NO_EDGE) & (scales * EXPORT_RATE < frame_rate * 0.999), axis=0)
-    first, last = _near(tables, laid, own)
-    found = _over_frames(tables, laid, own, first, last, quick)
-    return Bounds(edges=edges.T, scales=scales.T, figures=jnp.stack([*found, path_end], axis=1))
+    first, last = _near(tables, placed, own)
+    clearance, lower_bound, contact = _over_frames(tables, placed, own, first, last, quick)
+    figures = jnp.stack([clearance, lower_bound, contact, path_end], axis=1)
+    return Bounds(edges=edges.T, scales=scales.T, figures=figures)
 
 
-def _go_on(
+def _continued(
     links: Int[Array, "E D"], walks: Walks, scales: Float[Array, "L K"]
 ) -> tuple[Array, Array]:
     """The walks with what follows them appended, at natural speed."""
     edges, length = walks.edges, walks.length
     last = edges[jnp.maximum(length - 1, 0), jnp.arange(length.shape[0], dtype=jnp.int32)]
-    more = links[jnp.maximum(last, 0)][:, FOLLOWERS:].T
+    more = links[jnp.maximum(last, 0)][:, LinkColumn.FOLLOWERS :].T
     row = jnp.arange(edges.shape[0] + FOLLOWING, dtype=jnp.int32)[:, None]
     beyond = row - length[None]
     longer = jnp.pad(edges, ((0, FOLLOWING), (0, 0)), constant_values=NO_EDGE)
@@ -156,27 +165,27 @@ def _go_on(
 
 
 def _near(
-    tables: DeviceTables, laid: Laid, shots: Shots
+    tables: DeviceTables, placed: PlacedEdges, shots: Shots
 ) -> tuple[Int[Array, " K"], Int[Array, " K"]]:
     """The first and last frame at which an attack may reach each walk; the last is −1 if never.
 
     A single sphere is looked at in every fourth frame, and from as much farther as it and the root
     can move in two. Of several each frame is looked at, since each comes and goes for itself.
     """
-    lanes = laid.count.shape[0]
+    lanes = placed.count.shape[0]
     stride = STRIDE if shots.sphere_slots == 1 else 1
     frames = shots.number(FRAME_COUNT)[None].astype(jnp.int32)
-    slowest = jnp.min(laid.rows[..., SCALE], axis=0)
+    slowest = jnp.min(placed.rows[..., PlacedColumn.SCALE], axis=0)
     speed = shots.number(SPEED) + tables.root_speed / slowest
     away = (stride // 2) / EXPORT_RATE * speed + (SEAM_M if stride > 1 else 0.0)
     reach = (shots.number(MARGIN) + away)[None, :, None] + shots.spheres[None, :, 0]
     born, gone = shots.spheres[None, :, 1], shots.spheres[None, :, 2]
 
-    def lot(k: Array, known: tuple[Array, Array]) -> tuple[Array, Array]:
-        index = (k * FRAMES + jnp.arange(FRAMES, dtype=jnp.int32))[:, None] * stride
-        index = jnp.minimum(jnp.broadcast_to(index, (FRAMES, lanes)), frames - 1)
+    def chunk(k: Array, known: tuple[Array, Array]) -> tuple[Array, Array]:
+        index = (k * CHUNK_FRAMES + jnp.arange(CHUNK_FRAMES, dtype=jnp.int32))[:, None] * stride
+        index = jnp.minimum(jnp.broadcast_to(index, (CHUNK_FRAMES, lanes)), frames - 1)
         times = frame_times(shots, index)
-        x, y, z = root_at(tables, find(tables, laid, times))
+        x, y, z = root_at(tables, locate(tables, placed, times))
         span = 1.01 * stride / EXPORT_RATE
         alive = (times[..., None] >= born - span) & (times[..., None] <= gone + span)
         if stride > 1:
@@ -186,7 +195,7 @@ def _near(
         dx, dy, dz = (centres[..., k::3] - axis[..., None] for k, axis in enumerate((x, y, z)))
         gap = jnp.sqrt(dx * dx + dy * dy + dz * dz)
         # Nothing is certain after the end of a walk, wherever the attack is then.
-        over = (times > laid.stop[None] - span)[..., None]
+        over = (times > placed.stop[None] - span)[..., None]
         near = jnp.any(((gap <= reach) | over) & alive, axis=-1)
         first, last = known
         low = jnp.min(jnp.where(near, index - stride // 2, frames), axis=0)
@@ -194,58 +203,58 @@ def _near(
         return jnp.minimum(first, low), jnp.maximum(last, high)
 
     most = jnp.max(frames)
-    lots = ((most + stride - 2) // stride + FRAMES) // FRAMES
+    chunks = ((most + stride - 2) // stride + CHUNK_FRAMES) // CHUNK_FRAMES
     never = jnp.full(lanes, -1, jnp.int32)
-    first, last = jax.lax.fori_loop(0, lots, lot, (jnp.full_like(never, 1 << 30), never))
+    first, last = jax.lax.fori_loop(0, chunks, chunk, (jnp.full_like(never, 1 << 30), never))
     return jnp.maximum(first - 1, 0), jnp.minimum(last + 1, frames[0] - 1)
 
 
 def _over_frames(
     tables: DeviceTables,
-    laid: Laid,
+    placed: PlacedEdges,
     shots: Shots,
     first: Int[Array, " K"],
     last: Int[Array, " K"],
     quick: Array,
-) -> tuple[Array, Array, Array, Array]:
-    """Clearance, its lower bound, from when on there is doubt, and contact. Each [K]
+) -> tuple[Array, Array, Array]:
+    """Clearance, its lower bound, and when contact is certain. Each [K]
 
-    ``FRAMES`` frames at a time; each lot begins with the last frame of the lot before.
+    ``CHUNK_FRAMES`` frames at a time; each chunk begins with the last frame of the chunk before.
     """
     sag = shots.number(SAG)[None]
 
-    def lot(k: Array, known: tuple[Array, ...]) -> tuple[Array, ...]:
-        index = first[None] + k * (FRAMES - 1) + jnp.arange(FRAMES, dtype=jnp.int32)[:, None]
+    def chunk(k: Array, known: tuple[Array, ...]) -> tuple[Array, ...]:
+        number = jnp.arange(CHUNK_FRAMES, dtype=jnp.int32)[:, None]
+        index = first[None] + k * (CHUNK_FRAMES - 1) + number
         inside = index[1:] <= last[None]
         index = jnp.minimum(index, last[None])
         times = frame_times(shots, index)
-        where = find(tables, laid, times)
+        keys = locate(tables, placed, times)
         centres = places_at_frames(shots, index)
-        body = spheres_at(tables, where)
+        body = spheres_at(tables, keys)
         gap, surely = (
-            jnp.where(inside, found - sag, FAR)
-            for found in _gaps(tables, body, shots, times, centres)
+            jnp.where(inside, distance - sag, FAR)
+            for distance in _gaps(tables, body, shots, times, centres)
         )
-        bend = bends_at(tables, where)
-        doubt = _BENDS * jnp.maximum(bend[1:], bend[:-1]) + ROUNDING_M
-        doubt = jnp.where(quick[None] | (times[1:] > laid.stop[None]), FAR, doubt)
+        chord_error = chord_errors_at(tables, keys)
+        doubt = _ARCS * jnp.maximum(chord_error[1:], chord_error[:-1]) + ROUNDING_M
+        doubt = jnp.where(quick[None] | (times[1:] > placed.stop[None]), FAR, doubt)
         least = jnp.where(gap < FAR / 2, gap - doubt, FAR)
         most = surely + 2 * sag + doubt
         touched = (surely < FAR / 2) & (most < CLEAR_M)
         begin = times[:-1]
-        found = (
+        figures = (
             surely,
             least,
-            jnp.where(least < CLEAR_M, begin, FAR),
             jnp.where(touched, begin, FAR),
         )
         return tuple(
-            jnp.minimum(old, jnp.min(new, axis=0)) for old, new in zip(known, found, strict=True)
+            jnp.minimum(old, jnp.min(new, axis=0)) for old, new in zip(known, figures, strict=True)
         )
 
-    lots = (jnp.max(last - first) + FRAMES - 2) // (FRAMES - 1)
+    chunks = (jnp.max(last - first) + CHUNK_FRAMES - 2) // (CHUNK_FRAMES - 1)
     far = jnp.full(first.shape, FAR, jnp.float32)
-    return jax.lax.fori_loop(0, lots, lot, (far, far, far, far))
+    return jax.lax.fori_loop(0, chunks, chunk, (far, far, far))
 
 
 def _gaps(
@@ -257,10 +266,10 @@ def _gaps(
 ) -> tuple[Float[Array, "V K"], Float[Array, "V K"]]:
     """Least swept distance in each interval of the times: of spheres that are there at any moment
     of it, and of those that are there throughout; ``FAR`` where none is."""
-    slots = shots.sphere_slots
-    there = presence(shots, times)
-    throughout, partly = there[1:] & there[:-1], lives(shots, times)
-    apart = jnp.moveaxis(centres.reshape(*centres.shape[:2], slots, 3), (2, 3), (0, 1))
+    schunks = shots.sphere_slots
+    present = presence(shots, times)
+    throughout, partly = present[1:] & present[:-1], lives(shots, times)
+    each = jnp.moveaxis(centres.reshape(*centres.shape[:2], schunks, 3), (2, 3), (0, 1))
 
     def one(sphere: Array, radius: Array) -> Array:
         relative = [sphere[k][..., None] - body[k] for k in range(3)]
@@ -276,13 +285,13 @@ def _gaps(
         return jnp.where(partly, near, FAR), jnp.where(throughout, near, FAR)
 
     radii = shots.spheres[:, 0]
-    if slots == 1:
-        return masked(one(apart[0], radii[:, 0]), partly[..., 0], throughout[..., 0])
+    if schunks == 1:
+        return masked(one(each[0], radii[:, 0]), partly[..., 0], throughout[..., 0])
 
     def step(k: Array, least: tuple[Array, Array]) -> tuple[Array, Array]:
-        near = one(apart[k], radii[:, k])
-        found = masked(near, partly[..., k], throughout[..., k])
-        return jnp.minimum(least[0], found[0]), jnp.minimum(least[1], found[1])
+        near = one(each[k], radii[:, k])
+        own = masked(near, partly[..., k], throughout[..., k])
+        return jnp.minimum(least[0], own[0]), jnp.minimum(least[1], own[1])
 
     count = jnp.max(shots.number(SPHERE_COUNT)).astype(jnp.int32)
     far = jnp.full((times.shape[0] - 1, times.shape[1]), FAR, jnp.float32)

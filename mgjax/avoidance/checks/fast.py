@@ -16,11 +16,10 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.batch import SPHERES
-from mgjax.avoidance.body.poses import Body, body_of
+from mgjax.avoidance.body.poses import GraphPoses, PosedGraph, placed_poses, sphere_places
 from mgjax.avoidance.rates import CHECK_RATE, FAR
 from mgjax.core import planar, quaternion
 from mgjax.core.arrays import Array
-from mgjax.core.kinematics import forward
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register
 from mgjax.graph.types import MotionGraph
@@ -39,13 +38,13 @@ class Poses:
     share: Float[Array, " N"]
 
 
-FRAMES = 64
+CHECK_FRAMES = 64
 """Written frames that a call is compiled for, and four times as many, …"""
 
 
 @jax.jit
 def nearest_of(
-    body: Body,
+    graph_poses: GraphPoses,
     poses: Poses,
     attack_centres: Float[Array, "T I 3"],
     attack_radii: Float[Array, " I"],
@@ -55,36 +54,28 @@ def nearest_of(
 
     T = 2 N − 1.
     """
-    root, rotations = _written_frames(body, poses)
+    root, rotations = _written_frames(graph_poses, poses)
     # A moment between each two written frames, interpolated as a reader of the file would.
     middle = 0.5 * (root[:-1] + root[1:])
     half = jnp.full((1,), 0.5, dtype=jnp.float32)
     between = quaternion.slerp(rotations[:-1], rotations[1:], half[None])
     root = _interleave(root, middle)
     rotations = _interleave(rotations, between)
-    positions, _ = forward(body.skeleton, root, rotations)
-    spheres = positions[:, body.first] * (1 - body.share)[None]
-    spheres = spheres + positions[:, body.second] * body.share[None]
+    spheres = sphere_places(graph_poses, root, rotations)
     gaps = attack_centres[:, :, None] - spheres[:, None]
     begin, move = gaps[:-1], gaps[1:] - gaps[:-1]
     along = jnp.maximum(jnp.sum(move * move, axis=-1), 1e-20)
     share = jnp.clip(-jnp.sum(begin * move, axis=-1) / along, 0.0, 1.0)
     near = begin + share[..., None] * move
     distance = jnp.sqrt(jnp.sum(near * near, axis=-1))
-    distance = distance - attack_radii[None, :, None] - body.radii[None, None, :]
+    distance = distance - attack_radii[None, :, None] - graph_poses.radii[None, None, :]
     return jnp.min(distance + FAR * absent[..., None])
 
 
-def _written_frames(body: Body, poses: Poses) -> tuple[Array, Array]:
+def _written_frames(graph_poses: GraphPoses, poses: Poses) -> tuple[Array, Array]:
     share = poses.share[:, None]
-
-    def pose(frames: Array, place: Array) -> tuple[Array, Array]:
-        rotations = body.rotations[frames]
-        root, first = planar.apply_pose(place, body.root[frames], rotations[:, 0])
-        return root, jnp.concatenate([first[:, None], rotations[:, 1:]], axis=1)
-
-    root_low, low = pose(poses.low, poses.place_low)
-    root_high, high = pose(poses.high, poses.place_high)
+    root_low, low = placed_poses(graph_poses, poses.low, poses.place_low)
+    root_high, high = placed_poses(graph_poses, poses.high, poses.place_high)
     return root_low * (1 - share) + root_high * share, quaternion.slerp(low, high, share)
 
 
@@ -94,7 +85,7 @@ def _interleave(even: Array, odd: Array) -> Array:
 
 
 def clearance_between(
-    graph: MotionGraph, attack: Attack, walk: Walk, start: float, stop: float
+    posed: PosedGraph, attack: Attack, walk: Walk, start: float, stop: float
 ) -> float:
     """Clearance of a walk that begins now, from ``start`` to ``stop`` s, m; ``FAR`` if untouched.
 
@@ -105,13 +96,12 @@ def clearance_between(
     begin, end = max(start, attack.start, 0.0), min(stop, attack.end)
     if begin > end:
         return FAR
-    body, reach = body_of(graph)
     first = int(np.floor(begin * CHECK_RATE / 2))  # written frames, at half the rate
     last = max(int(np.ceil(end * CHECK_RATE / 2)), first + 1)
     times = np.arange(first, last + 1) * 2 / CHECK_RATE
-    poses, root = _read_walk(graph, walk, times)
+    poses, root = _read_walk(posed.graph, walk, times)
     far = attack.held(np.clip(times, attack.start, attack.end)) - root[:, None]
-    gap = np.linalg.norm(far, axis=-1) - attack.radii[None, :] - reach
+    gap = np.linalg.norm(far, axis=-1) - attack.radii[None, :] - posed.reach
     # Between two frames an attack moves on by at most half its step from the nearer one.
     step = attack.largest_speed / CHECK_RATE
     near = np.flatnonzero(gap.min(axis=1) <= step + 0.05)
@@ -119,7 +109,7 @@ def clearance_between(
         return FAR
     a, b = max(int(near[0]) - 1, 0), min(int(near[-1]) + 1, len(times) - 1)
     count = b - a + 1
-    size = bucket_size(count, FRAMES, 4)
+    size = bucket_size(count, CHECK_FRAMES, 4)
     rows = np.minimum(np.arange(a, a + size), b)  # padded by the last
     poses = jax.tree.map(lambda x: x[rows], poses)
     moments = (2 * (first + a) + np.arange(2 * size - 1)) / CHECK_RATE
@@ -128,7 +118,7 @@ def clearance_between(
     absent[2 * count - 2 :] = True
     slots = bucket_size(len(attack.radii), SPHERES, 8)
     nearest = nearest_of(
-        body,
+        posed.poses,
         poses,
         pad_axis(centres.astype(np.float32), slots, axis=1),
         pad_axis(attack.radii.astype(np.float32), slots),

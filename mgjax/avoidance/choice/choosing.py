@@ -9,117 +9,109 @@ from jaxtyping import Int
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
-from mgjax.avoidance.body.poses import body_of
-from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
-from mgjax.avoidance.choice.continuation import idle
-from mgjax.avoidance.choice.results import Choice, Dropped
-from mgjax.avoidance.choice.search import make_task, on_device, search_one
+from mgjax.avoidance.candidates.enumerate import enumerate_candidates
+from mgjax.avoidance.choice.continuation import random_walk
+from mgjax.avoidance.choice.decision import Decision, better_of, decide
+from mgjax.avoidance.choice.results import Choice, Dropped, Status
+from mgjax.avoidance.choice.search import Query, on_device, search_input, search_one
 from mgjax.avoidance.choice.start import validate_start
-from mgjax.avoidance.choice.verify import Settled, better_of, settle
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.culling.candidates import without_culled
-from mgjax.avoidance.index.index import (
-    GridIndex,
-    lookup,
-    paths_in_time,
-    touched_paths,
-    walks_of,
-)
-from mgjax.avoidance.index.swept_cells import swept_cells
+from mgjax.avoidance.index.protocol import CandidateIndex
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.graph.types import MotionGraph
 
 
 def choose(
-    graph: MotionGraph,
+    graph: MotionGraph | Prepared,
     node: int,
     attack: Attack,
     *,
     config: AvoidanceConfig,
     seed: int = 0,
-    index: GridIndex | None = None,
+    index: CandidateIndex | None = None,
 ) -> Choice:
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
-    The same as :func:`mgjax.avoidance.choice.selection.select` without making the motion. With an
-    ``index`` those whose avoidance volume the attack touches are looked up (§5.1); where none of
-    them is clear, the others that are in time follow. Where the index cannot say, all are
-    enumerated.
+    It answers as :func:`mgjax.avoidance.choice.selection.select` does, without making the motion;
+    its arguments are described there. With an ``index`` candidates whose avoidance volume the
+    attack touches are looked up (§5.1); where none of them is clear, the others that are in time
+    follow. Where the index cannot say, all are enumerated.
     """
     validate_config(config)
-    tables, _ = search_tables(graph, config.body_rate, config.speed)
-    validate_start(graph, tables, node, attack)
+    prepared = prepared_for(graph, config, index)
+    index = prepared.index
+    validate_start(prepared, node, attack)
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     if crop is None:
-        return _nothing(graph, node, attack, config, seed)
-    known = None if index is None else _known(index, node, crop, config)
-    before, others = None, None
-    if index is not None and known is not None:
-        cells = swept_cells(attack, crop)
-        touched = np.zeros(len(known), bool)
-        if cells is not None:
-            touched = touched_paths(index, known, cells)
-            looked_up = walks_of(index, known[touched])
-            before = best_of(graph, node, attack, crop, looked_up, config)
-            if before.choice is not None and before.choice.status == "avoided":
+        return _nothing(prepared, node, attack, config, seed)
+    in_time = None if index is None else _in_time(index, node, crop, config)
+    before, candidates = None, None
+    if index is not None and in_time is not None:
+        touched = index.touched(in_time, attack, crop)
+        if touched is not None:
+            looked_up = index.walks(in_time[touched])
+            query = Query(node=node, attack=attack, crop=crop, candidates=looked_up)
+            before = best_of(prepared, query, config)
+            if before.choice is not None and before.choice.status == Status.AVOIDED:
                 return before.choice
-        others = walks_of(index, known[~touched])
-    if others is None:
-        others = enumerate_candidates(
-            graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
+        candidates = index.walks(in_time if touched is None else in_time[~touched])
+    if candidates is None:
+        candidates = enumerate_candidates(
+            prepared.graph,
+            prepared.tables,
+            node,
+            crop.middle,
+            window=config.T_window,
+            capacity=config.capacity,
         )
-    settled = best_of(graph, node, attack, crop, others, config)
+    query = Query(node=node, attack=attack, crop=crop, candidates=candidates)
+    decision = best_of(prepared, query, config)
     if before is not None:
-        settled = better_of(settled, before)
-    choice = settled.choice or _nothing(graph, node, attack, config, seed)
-    total = len(others.length) + others.overflow if known is None else len(known)
-    return replace(choice, candidates=total, dropped=settled.dropped, crop=crop)
+        decision = better_of(decision, before)
+    choice = decision.choice or _nothing(prepared, node, attack, config, seed)
+    total = len(candidates.length) + candidates.overflow if in_time is None else len(in_time)
+    return replace(choice, candidates=total, dropped=decision.dropped, crop=crop)
 
 
-def _known(
-    index: GridIndex, node: int, crop: Crop, config: AvoidanceConfig
+def _in_time(
+    index: CandidateIndex, node: int, crop: Crop, config: AvoidanceConfig
 ) -> Int[np.ndarray, " C"] | None:
     """The paths of the index that satisfy eq. 1; None if it cannot say, or if they are too many."""
-    paths = paths_in_time(index, node, crop.middle, config.T_window)
+    paths = index.in_time(node, crop.middle, config.T_window)
     return None if paths is None or len(paths) > config.capacity else paths
 
 
 def _nothing(
-    graph: MotionGraph, node: int, attack: Attack, config: AvoidanceConfig, seed: int
+    prepared: Prepared, node: int, attack: Attack, config: AvoidanceConfig, seed: int
 ) -> Choice:
-    walk = idle(graph, node, attack, config, seed)
-    return Choice(status="no_candidate", node=node, walk=walk)
+    walk = random_walk(prepared.graph, node, attack, config, seed)
+    return Choice(status=Status.NO_CANDIDATE, node=node, walk=walk)
 
 
-def lookup_candidates(
-    index: GridIndex, node: int, attack: Attack, crop: Crop, config: AvoidanceConfig
-) -> Candidates | None:
-    """The candidates whose avoidance volume the attack touches (§5.1), or None if unknown."""
-    return lookup(index, node, swept_cells(attack, crop), crop.middle, config.T_window)
-
-
-def best_of(
-    graph: MotionGraph,
-    node: int,
-    attack: Attack,
-    crop: Crop,
-    candidates: Candidates,
-    config: AvoidanceConfig,
-) -> Settled:
-    """The best of some candidates that stays clear."""
-    kept, culled = candidates, 0
-    if config.culling != "none":
-        kept, culled = without_culled(graph, candidates, attack, crop, config.culling, config)
+def best_of(prepared: Prepared, query: Query, config: AvoidanceConfig) -> Decision:
+    """The best of the candidates of a query that stays clear."""
+    kept, culled = query.candidates, 0
+    if config.culling != "none" and prepared.slices is not None:
+        kept, culled = without_culled(
+            prepared.slices,
+            prepared.device,
+            kept,
+            query.attack,
+            query.crop,
+            config,
+            frame_rate=prepared.graph.frame_rate,
+        )
     if not len(kept.length):
-        return Settled(choice=None, dropped=Dropped(culled=culled, overflow=candidates.overflow))
-    _, device = search_tables(graph, config.body_rate, config.speed)
-    task = make_task(kept, attack, crop, config, body_of(graph)[1])
-    found = search_one(
-        device,
-        task.walks,
-        task.shots,
+        return Decision(choice=None, dropped=Dropped(culled=culled, overflow=kept.overflow))
+    query = replace(query, candidates=kept)
+    given = search_input(query, config, prepared.posed.reach)
+    result = search_one(
+        prepared.device,
+        given.walks,
+        given.shots,
         on_device(config.energy),
-        frame_rate=graph.frame_rate,
+        frame_rate=prepared.graph.frame_rate,
         limit_scale=config.limit_scale,
     )
-    return settle(graph, node, attack, crop, kept, task, found, config, culled=culled)
+    return decide(prepared, query, given, result, config, culled=culled)

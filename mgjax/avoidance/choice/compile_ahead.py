@@ -7,20 +7,19 @@ import math
 import numpy as np
 
 from mgjax.avoidance.attacks.batch import FRAMES, SPHERES, empty_shot
-from mgjax.avoidance.body.device_tables import search_tables
-from mgjax.avoidance.body.poses import body_of
+from mgjax.avoidance.body.poses import PosedGraph
 from mgjax.avoidance.candidates.batch import LENGTH, LONG_SIZES, SIZES, empty_walks
 from mgjax.avoidance.checks.bounds import MORE_LANES
-from mgjax.avoidance.checks.fast import FRAMES as CHECKED_FRAMES
-from mgjax.avoidance.checks.fast import Poses, nearest_of
+from mgjax.avoidance.checks.fast import CHECK_FRAMES, Poses, nearest_of
 from mgjax.avoidance.choice.search import bound, on_device, search_one
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.graph.types import MotionGraph
 
 
 def warm_up(
-    graph: MotionGraph,
+    graph: MotionGraph | Prepared,
     *,
     config: AvoidanceConfig | None = None,
     horizon: float = 3.0,
@@ -42,8 +41,9 @@ def warm_up(
     """
     config = config or AvoidanceConfig()
     validate_config(config)
-    _, device = search_tables(graph, config.body_rate, config.speed)
-    energy, rate = on_device(config.energy), graph.frame_rate
+    prepared = prepared_for(graph, config)
+    device, rate = prepared.device, prepared.graph.frame_rate
+    energy = on_device(config.energy)
     slots = _sizes(SPHERES, 8, spheres)
     frames = math.ceil(horizon * EXPORT_RATE) + 1
     programs = 0
@@ -59,9 +59,9 @@ def warm_up(
             scales = np.ones((length, MORE_LANES), np.float32)
             bound(device, lanes, scales, shot, frame_rate=rate)
             programs += 1
-    for count in _sizes(CHECKED_FRAMES, 4, frames):
+    for count in _sizes(CHECK_FRAMES, 4, frames):
         for slot in slots:
-            _check(graph, count, slot)
+            _check(prepared.posed, count, slot)
             programs += 1
     return programs
 
@@ -74,16 +74,15 @@ def _sizes(least: int, factor: int, most: int) -> list[int]:
     return sizes
 
 
-def _check(graph: MotionGraph, count: int, spheres: int) -> None:
+def _check(posed: PosedGraph, count: int, spheres: int) -> None:
     """One exact check of nothing."""
-    body, _ = body_of(graph)
     rows, places = np.zeros(count, np.int32), np.zeros((count, 3), np.float32)
     poses = Poses(
         low=rows, high=rows, place_low=places, place_high=places, share=places[:, 0].copy()
     )
     moments = 2 * count - 1
     nearest_of(
-        body,
+        posed.poses,
         poses,
         np.zeros((moments, spheres, 3), np.float32),
         np.ones(spheres, np.float32),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.body.poses import PosedGraph
 from mgjax.avoidance.checks.fast import clearance_between
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.rates import CLEAR_M
@@ -18,25 +19,34 @@ MAX_CONTINUATIONS = 200
 
 
 @dataclass(frozen=True, kw_only=True)
-class Played:
-    """A walk as it would be played, and how near the attack comes."""
+class Continuation:
+    """A path with what is played after it, and how near the attack comes.
+
+    Attributes:
+        walk: the path and what follows it.
+        clearance: signed distance of attack and body, m.
+        clear_until: seconds until which it is clear where nothing clear could follow the path.
+    """
 
     walk: Walk
     clearance: float
     clear_until: float | None
 
 
-def play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceConfig) -> Played:
+def continue_clear(
+    posed: PosedGraph, attack: Attack, path: Walk, config: AvoidanceConfig
+) -> Continuation:
     """Continues a path along out-edges that stay clear until the attack is over.
 
     Depth first, longest edge first (fewer seams); after ``MAX_CONTINUATIONS`` edges the longest
     clear continuation stands and the result says until when it is clear.
     """
+    graph = posed.graph
     until = attack.end + config.settle_s
     end = float(path.starts(graph)[-1])
-    first = clearance_between(graph, attack, path, 0.0, min(end, until))
+    first = clearance_between(posed, attack, path, 0.0, min(end, until))
     if first < CLEAR_M:
-        return Played(walk=extend(graph, path, until), clearance=first, clear_until=None)
+        return Continuation(walk=extend(graph, path, until), clearance=first, clear_until=None)
     stack = [(path, end, first)]
     furthest = (path, end, first)
     tried = 0
@@ -45,7 +55,7 @@ def play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceCon
         if end > furthest[1]:
             furthest = (walk, end, clear)
         if end >= until:
-            return Played(walk=walk, clearance=clear, clear_until=None)
+            return Continuation(walk=walk, clearance=clear, clear_until=None)
         edges = graph.edges_from(int(graph.edge_target[walk.edges[-1]]))
         edges = edges[np.argsort(graph.edge_frames[edges], kind="stable")]
         for edge in edges:
@@ -56,13 +66,13 @@ def play_on(graph: MotionGraph, attack: Attack, path: Walk, config: AvoidanceCon
             stop = end + float(graph.edge_frames[edge]) / graph.frame_rate
             # The last stretch before the seam leads to the new edge, so it counts again.
             seam = end - float(walk.scales[-1]) / graph.frame_rate
-            gap = clearance_between(graph, attack, longer, seam, min(stop, until))
+            gap = clearance_between(posed, attack, longer, seam, min(stop, until))
             if gap >= CLEAR_M:
                 stack.append((longer, stop, min(clear, gap)))
         if tried > MAX_CONTINUATIONS:
             break
     walk, end, clear = max([furthest, *stack], key=lambda item: item[1])
-    return Played(walk=extend(graph, walk, until), clearance=clear, clear_until=end)
+    return Continuation(walk=extend(graph, walk, until), clearance=clear, clear_until=end)
 
 
 def extend(graph: MotionGraph, walk: Walk, until: float) -> Walk:
@@ -77,7 +87,9 @@ def extend(graph: MotionGraph, walk: Walk, until: float) -> Walk:
     return Walk(edges=np.array(edges), scales=np.array(scales))
 
 
-def idle(graph: MotionGraph, node: int, attack: Attack, config: AvoidanceConfig, seed: int) -> Walk:
+def random_walk(
+    graph: MotionGraph, node: int, attack: Attack, config: AvoidanceConfig, seed: int
+) -> Walk:
     """A random walk until the attack is over: what plays when nothing avoids."""
     rng = np.random.default_rng(seed)
     until = attack.end + config.settle_s

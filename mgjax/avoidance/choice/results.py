@@ -3,23 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from enum import StrEnum
 
 from mgjax.avoidance.attacks.crop import Crop
+from mgjax.avoidance.energy.score import Energy
 from mgjax.graph.walk import Walk
 
 
-@dataclass(frozen=True, kw_only=True)
-class Energy:
-    """What the chosen walk was worth; the fields are those of eqs 4–10."""
+class Status(StrEnum):
+    """What came of an attack; compares equal to its text, and has a number for use in arrays.
 
-    total: float
-    avoidance: float
-    body: float
-    timescale: float
-    penetration: float
-    d: float
-    d0: float
+    ``avoided``: the motion is clear of the attack throughout, by the exact check. ``hit``: there
+    were candidates and every one of them is touched. ``no_candidate``: no avoidance part comes at
+    the right time.
+    """
+
+    AVOIDED = "avoided"
+    HIT = "hit"
+    NO_CANDIDATE = "no_candidate"
+
+    @property
+    def code(self) -> int:
+        """Its number in arrays: 0, 1 or 2."""
+        return _CODES[self]
+
+
+_CODES = {status: code for code, status in enumerate(Status)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +40,7 @@ class Dropped:
         not_adjustable: no edge may change its speed as needed.
         time_scale: the time scale is not positive, or out of range.
         hit: touched, by the exact check or its bounds, or deeper in the sampled volumes than
-            these can be wrong (``HOPELESS_M`` of :mod:`mgjax.avoidance.choice.search`).
+            these can be wrong (:data:`mgjax.avoidance.choice.search.HOPELESS_M`).
         overflow: not judged, or not checked exactly, for lack of room.
     """
 
@@ -41,15 +50,24 @@ class Dropped:
     hit: int = 0
     overflow: int = 0
 
+    def __add__(self, other: Dropped) -> Dropped:
+        """The counts of two sets of candidates."""
+        return Dropped(
+            culled=self.culled + other.culled,
+            not_adjustable=self.not_adjustable + other.not_adjustable,
+            time_scale=self.time_scale + other.time_scale,
+            hit=self.hit + other.hit,
+            overflow=self.overflow + other.overflow,
+        )
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Choice:
     """A walk for an attack, before its motion is made.
 
     Attributes:
-        status: ``avoided``: the walk is clear of the attack throughout, by the exact check.
-            ``hit``: there were candidates and every one is touched; the walk is the one touched
-            least of those checked. ``no_candidate``: no avoidance part comes at the right time.
+        status: see :class:`Status`. Of a ``hit`` the walk is the one touched least of those
+            checked.
         node: where the walk begins.
         walk: the path, and what follows it until the attack is over.
         path_length: edges that belong to the path; the last one holds the avoidance part.
@@ -66,7 +84,7 @@ class Choice:
         crop: the part of the attack that counted for energies and timing, or None.
     """
 
-    status: Literal["avoided", "hit", "no_candidate"]
+    status: Status
     node: int
     walk: Walk
     path_length: int = 0

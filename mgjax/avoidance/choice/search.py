@@ -15,9 +15,10 @@ from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.body.device_tables import DeviceTables
 from mgjax.avoidance.candidates.batch import LENGTH, Walks, pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates
-from mgjax.avoidance.checks.bounds import LANES, Bounds, certify
+from mgjax.avoidance.checks.bounds import FIRST_LANES, Bounds, clearance_bounds
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
-from mgjax.avoidance.energy.score import Judged, by_name, judge_all, ranking
+from mgjax.avoidance.energy.evaluate import Judged, judge_all, ranking
+from mgjax.avoidance.energy.score import ROWS, stacked
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.arrays import Array
 from mgjax.core.xla.pytree import register
@@ -26,27 +27,26 @@ HOPELESS_M = 0.02
 """Sampled volumes that are touched deeper belong to a motion that is hit: they are within
 millimetres of it. Such candidates are not looked at any closer."""
 
-SCORES = ("s_time", "total", "avoidance", "body", "timescale", "penetration", "d", "d0")
-"""First rows of :attr:`Found.scores`."""
-
-DEPTH = SCORES.index("d")
-STATUS = len(SCORES)
-"""Its last row: the status of :mod:`mgjax.avoidance.timing.time_scale`."""
+DEPTH = ROWS.index("d")
+STATUS = len(ROWS)
+"""Row of :attr:`SearchResult.table` with the status of :mod:`mgjax.avoidance.timing.time_scale`;
+before it come the measures and scores that ``ROWS`` names."""
 
 
 @register()
 @dataclass(frozen=True, kw_only=True)
-class Found:
+class SearchResult:
     """Candidates judged and ranked, and bounds for the first of them.
 
     Attributes:
-        scores: what each candidate is worth, see ``SCORES`` and ``STATUS``. [9, C]
+        table: measures and scores of each candidate, a row each as ``ROWS`` of
+            :mod:`mgjax.avoidance.energy.score` names them, and ``STATUS``. [R, C]
         scales: factor on the duration of each edge. [L, C]
         order: their numbers, the best first; those without a time scale last. [C]
         bounds: of the first in that order. [K]
     """
 
-    scores: Float[Array, "9 C"]
+    table: Float[Array, "R C"]
     scales: Float[Array, "L C"]
     order: Int[Array, " C"]
     bounds: Bounds
@@ -60,17 +60,26 @@ def search(
     *,
     frame_rate: float,
     limit_scale: bool,
-) -> Found:
-    """One attack: from the padded candidates to their order and to bounds for the best of them."""
+) -> SearchResult:
+    """One attack: from the padded candidates to their order and to bounds for the best of them.
+
+    Args:
+        tables: of the graph.
+        walks: the candidates, padded.
+        shots: the attack.
+        config: forms, scales and weights of the energies.
+        frame_rate: of the graph.
+        limit_scale: rejects time scales outside [1/E_time, E_time].
+    """
     judged = judge_all(
         tables, walks, shots, config, half_frame=0.5 / frame_rate, limit_scale=limit_scale
     )
     order = ranking(judged)
-    best = order[: min(LANES, order.shape[0])]
-    return _found(tables, walks, shots, judged, order, best, frame_rate)
+    best = order[: min(FIRST_LANES, order.shape[0])]
+    return _result(tables, walks, shots, judged, order, best, frame_rate)
 
 
-def _found(
+def _result(
     tables: DeviceTables,
     walks: Walks,
     shots: Shots,
@@ -78,7 +87,7 @@ def _found(
     order: Int[Array, " C"],
     best: Int[Array, " K"],
     frame_rate: float,
-) -> Found:
+) -> SearchResult:
     status = judged.timing.status
     lanes = walks.rows(best)
     # Those that cannot be timed are padding.
@@ -86,13 +95,14 @@ def _found(
     lanes = replace(
         lanes, table=jnp.concatenate([lanes.table[:-3], length[None], lanes.table[-2:]])
     )
-    values = by_name(judged)
-    rows = [values[name] for name in SCORES]
-    return Found(
-        scores=jnp.stack([*rows, status.astype(jnp.float32)]),
+    rows = stacked(judged.measures, judged.scores)
+    return SearchResult(
+        table=jnp.concatenate([rows, status.astype(jnp.float32)[None]]),
         scales=judged.timing.scales,
         order=order,
-        bounds=certify(tables, lanes, judged.timing.scales[:, best], shots, frame_rate=frame_rate),
+        bounds=clearance_bounds(
+            tables, lanes, judged.timing.scales[:, best], shots, frame_rate=frame_rate
+        ),
     )
 
 
@@ -105,7 +115,7 @@ def search_several(
     *,
     frame_rate: float,
     limit_scale: bool,
-) -> Found:
+) -> SearchResult:
     """Several attacks, whose candidates lie one after the other.
 
     Args:
@@ -117,21 +127,21 @@ def search_several(
         frame_rate, limit_scale: see :func:`search`.
 
     Returns:
-        The same, with candidates in the order of their attacks, and bounds for the first of each:
-        that settles 19 of 20 attacks.
+        Candidates in the order of their attacks, and bounds for the first of each: that decides on
+        19 of 20 attacks.
     """
     judged = judge_all(
         tables, walks, shots, config, half_frame=0.5 / frame_rate, limit_scale=limit_scale
     )
     order = ranking(judged, walks.owner)
     best = order[jnp.minimum(first, order.shape[0] - 1)]
-    return _found(tables, walks, shots, judged, order, best, frame_rate)
+    return _result(tables, walks, shots, judged, order, best, frame_rate)
 
 
 _STATIC = ("frame_rate", "limit_scale")
 search_one = jax.jit(search, static_argnames=_STATIC)
 search_many = jax.jit(search_several, static_argnames=_STATIC)
-bound = jax.jit(certify, static_argnames="frame_rate")
+bound = jax.jit(clearance_bounds, static_argnames="frame_rate")
 
 
 def on_device(config: EnergyConfig) -> EnergyConfig:
@@ -149,21 +159,36 @@ def _kept(config: EnergyConfig) -> EnergyConfig:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Task:
-    """One attack with its candidates, padded to compiled shapes."""
+class Query:
+    """What a search is asked: an attack at a node, and the candidates to choose from.
+
+    Attributes:
+        node: where the walks begin.
+        attack: in the planar frame of the node, its times counted from there.
+        crop: the part of it that counts for energies and timing.
+        candidates: the walks.
+    """
+
+    node: int
+    attack: Attack
+    crop: Crop
+    candidates: Candidates
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SearchInput:
+    """A query as compiled code reads it: candidates and attack padded to compiled shapes."""
 
     walks: Walks
     shots: Shots
 
 
-def make_task(
-    candidates: Candidates, attack: Attack, crop: Crop, config: AvoidanceConfig, reach: float
-) -> Task:
-    """Pads candidates and attack to compiled shapes."""
-    long = is_long(candidates, attack)
-    return Task(
-        walks=pad_candidates(candidates, long=long),
-        shots=make_shot(attack, crop, config, reach, long=long),
+def search_input(query: Query, config: AvoidanceConfig, reach: float) -> SearchInput:
+    """Pads candidates and attack to compiled shapes; ``reach`` is that of the body, m."""
+    long = is_long(query.candidates, query.attack)
+    return SearchInput(
+        walks=pad_candidates(query.candidates, long=long),
+        shots=make_shot(query.attack, query.crop, config, reach, long=long),
     )
 
 

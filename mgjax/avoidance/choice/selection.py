@@ -8,13 +8,13 @@ from typing import Literal
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.checks.written import Trace, clearance, trace_motion, walk_motion
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import extend
-from mgjax.avoidance.choice.results import Choice
-from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.index.index import GridIndex
+from mgjax.avoidance.choice.results import Choice, Status
+from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.avoidance.index.protocol import CandidateIndex
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.avoidance.timing.time_warp import (
     TimeWarp,
@@ -49,13 +49,13 @@ class Selection(Choice):
 
 
 def select(
-    graph: MotionGraph,
+    graph: MotionGraph | Prepared,
     node: int,
     attack: Attack,
     *,
     config: AvoidanceConfig | None = None,
     seed: int = 0,
-    index: GridIndex | None = None,
+    index: CandidateIndex | None = None,
 ) -> Selection:
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
@@ -67,36 +67,38 @@ def select(
     ``settle_s`` after the attack.
 
     Args:
-        graph: a motion graph with labelled avoidance parts.
+        graph: a motion graph with labelled avoidance parts, or what
+            :func:`~mgjax.avoidance.prepared.prepare` made of one; of a graph it is kept.
         node: where the character stands.
         attack: in the planar frame of the body at the node.
         config: settings.
         seed: for the walk that is taken where there is no candidate.
-        index: the graph's grid index, from which candidates are looked up (§5.1); without it, or
-            where it holds none that is clear, they are enumerated.
+        index: of the graph (:func:`mgjax.avoidance.build_index`), in which candidates are looked up
+            (§5.1); without it, or where it holds none that is clear, they are enumerated.
 
     Raises:
         AttackError: the attack is not finite, or begins inside the body.
         ConfigError: no such node, or a setting out of range.
     """
     config = config or AvoidanceConfig()
-    return write(
-        graph, attack, choose(graph, node, attack, config=config, seed=seed, index=index), config
-    )
+    validate_config(config)
+    prepared = prepared_for(graph, config, index)
+    choice = choose(prepared, node, attack, config=config, seed=seed)
+    return write(prepared, attack, choice, config)
 
 
-def write(graph: MotionGraph, attack: Attack, choice: Choice, config: AvoidanceConfig) -> Selection:
+def write(prepared: Prepared, attack: Attack, choice: Choice, config: AvoidanceConfig) -> Selection:
     """Makes the motion of a choice, and checks that very motion once more.
 
     Its clearance, and so the status, come from the forward kinematics of what is written. A choice
     that is clear is played smoothly if it is clear then, too.
     """
-    linear, smooth = both_timings(graph, choice)
-    if config.warp == "smooth" and choice.status == "avoided":
-        found = _write(graph, attack, choice, config, "smooth", smooth)
-        if found.status == "avoided":
-            return found
-    return _write(graph, attack, choice, config, "linear", linear)
+    linear, smooth = both_timings(prepared.graph, choice)
+    if config.warp == "smooth" and choice.status == Status.AVOIDED:
+        selection = _write(prepared, attack, choice, config, "smooth", smooth)
+        if selection.status == Status.AVOIDED:
+            return selection
+    return _write(prepared, attack, choice, config, "linear", linear)
 
 
 def both_timings(graph: MotionGraph, choice: Choice) -> tuple[TimeWarp, TimeWarp]:
@@ -110,14 +112,14 @@ def both_timings(graph: MotionGraph, choice: Choice) -> tuple[TimeWarp, TimeWarp
 
 
 def _write(
-    graph: MotionGraph,
+    prepared: Prepared,
     attack: Attack,
     choice: Choice,
     config: AvoidanceConfig,
     form: Literal["smooth", "linear"],
     timing: TimeWarp,
 ) -> Selection:
-    spheres = preset_spheres(graph.skeleton)
+    graph, spheres = prepared.graph, prepared.tables.spheres
     until = attack.end + config.settle_s
     walk = choice.walk
     if form == "smooth":  # it may come further within that time
@@ -128,7 +130,8 @@ def _write(
     exact = None if choice.part is None else clearance(attack, trace, spheres.radii)[1]
     status = choice.status
     if exact is not None:
-        status = "avoided" if choice.status == "avoided" and exact >= CLEAR_M else "hit"
-    chosen = {field.name: getattr(choice, field.name) for field in fields(choice)}
-    chosen |= {"status": status, "clearance_m": exact, "walk": walk}
-    return Selection(**chosen, warp=form, timing=timing, motion=motion, trace=trace)
+        clear = choice.status == Status.AVOIDED and exact >= CLEAR_M
+        status = Status.AVOIDED if clear else Status.HIT
+    values = {field.name: getattr(choice, field.name) for field in fields(choice)}
+    values |= {"status": status, "clearance_m": exact, "walk": walk}
+    return Selection(**values, warp=form, timing=timing, motion=motion, trace=trace)

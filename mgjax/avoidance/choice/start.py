@@ -3,36 +3,37 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
 
 from mgjax.avoidance.attacks.attack import Attack, validate_attack
-from mgjax.avoidance.body.edge_tables import EdgeTables
+from mgjax.avoidance.prepared import Prepared
 from mgjax.core.errors import AttackError, ConfigError
-from mgjax.graph.types import MotionGraph
 
 
-def validate_start(graph: MotionGraph, tables: EdgeTables, node: int, attack: Attack) -> None:
+def validate_start(prepared: Prepared, node: int, attack: Attack) -> None:
     """Raises unless there is such a node and the attack begins outside the body that stands there.
 
     Raises:
         ConfigError: no such node.
         AttackError: the attack is not finite, or begins inside the body.
     """
+    graph, tables = prepared.graph, prepared.tables
     if not 0 <= node < graph.num_nodes:
         raise ConfigError(f"got node {node}, expected 0 … {graph.num_nodes - 1}")
     validate_attack(attack)
     begin = _beginning(attack)
     gaps = [math.hypot(*c) - r for c, r in zip(begin.tolist(), attack.radii.tolist(), strict=True)]
-    if min(gaps) > _farthest(tables):
+    if min(gaps) > tables.farthest:
         return
     spheres = tables.spheres
     # Every edge out of a node begins with the body as it stands there, in the node's frame.
     body = tables.pool[tables.pool_first[graph.edges_from(node)[0]]].reshape(3, -1)
-    way = body[:, None] - begin.T[..., None]
-    gap = np.sqrt((way * way).sum(axis=0)) - (attack.radii[:, None] + spheres.radii)
+    displacement = body[:, None] - begin.T[..., None]
+    gap = np.sqrt((displacement * displacement).sum(axis=0)) - (
+        attack.radii[:, None] + spheres.radii
+    )
     least = gap.min()
     if least < 0:
         where = spheres.names[int(np.argmin(gap.min(axis=0)))]
@@ -47,10 +48,3 @@ def _beginning(attack: Attack) -> Float[np.ndarray, "I 3"]:
     if attack.start >= 0 and attack.starts is None and attack.stops is None:
         return attack.centres[0]
     return attack.at(np.array([max(attack.start, 0.0)]))[0]
-
-
-@lru_cache(maxsize=8)
-def _farthest(tables: EdgeTables) -> float:
-    """How far from a node a body that stands there may be, m, and a millimetre more."""
-    bodies = tables.pool[tables.pool_first].reshape(len(tables.pool_first), 3, -1)
-    return float((np.linalg.norm(bodies, axis=1) + tables.spheres.radii).max(initial=0.0)) + 1e-3

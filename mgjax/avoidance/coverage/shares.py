@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.coverage.throws import Coverage
-from mgjax.avoidance.many.attacks import AVOIDED, HIT, NO_CANDIDATE
 
 
 def shares(found: Coverage, mask: Bool[np.ndarray, " B"]) -> dict[str, Any]:
@@ -19,12 +19,12 @@ def shares(found: Coverage, mask: Bool[np.ndarray, " B"]) -> dict[str, Any]:
     """
     count = int(mask.sum())
     status = found.answers.status[mask]
-    avoided = int((status == AVOIDED).sum())
-    unscaled = (status == NO_CANDIDATE) & (found.answers.candidates[mask] > 0)
+    avoided = int((status == Status.AVOIDED.code).sum())
+    unscaled = (status == Status.NO_CANDIDATE.code) & (found.answers.candidates[mask] > 0)
     numbers = {
         "avoided": avoided,
-        "hit": int((status == HIT).sum()),
-        "no_candidate": int((status == NO_CANDIDATE).sum()),
+        "hit": int((status == Status.HIT.code).sum()),
+        "no_candidate": int((status == Status.NO_CANDIDATE.code).sum()),
         "no_time_scale": int(unscaled.sum()),
     }
     kinds = np.bincount(found.kind[mask] + 1, minlength=len(found.kinds) + 1)[1:]
@@ -54,7 +54,7 @@ def _independent(found: Coverage, mask: Bool[np.ndarray, " B"]) -> float:
     all have the same outcome it is unknown, and only the nodes count.
     """
     _, place = np.unique(found.node[mask], return_inverse=True)
-    avoided = (found.answers.status[mask] == AVOIDED).astype(np.float64)
+    avoided = (found.answers.status[mask] == Status.AVOIDED.code).astype(np.float64)
     count, nodes, share = len(avoided), int(place.max()) + 1, float(avoided.mean())
     if nodes == 1 or share in (0.0, 1.0):
         return float(nodes)
@@ -65,8 +65,8 @@ def _independent(found: Coverage, mask: Bool[np.ndarray, " B"]) -> float:
 def outcomes(found: Coverage) -> dict[str, Bool[np.ndarray, " B"]]:
     """Which attacks were avoided, hit or had no candidate, and which kind avoided them."""
     status = found.answers.status
-    named = {"avoided": status == AVOIDED, "hit": status == HIT}
-    named["no_candidate"] = status == NO_CANDIDATE
+    named = {"avoided": status == Status.AVOIDED.code, "hit": status == Status.HIT.code}
+    named["no_candidate"] = status == Status.NO_CANDIDATE.code
     return named | {f"kind/{kind}": found.kind == i for i, kind in enumerate(found.kinds)}
 
 
@@ -82,7 +82,7 @@ def worst_cells(found: Coverage, most: int = 8) -> list[tuple[int, int]]:
     Only those count whose whole 95 % interval lies below the share of all attacks, so that a cell
     is not named for having had bad luck with its nodes.
     """
-    avoided = found.answers.status == AVOIDED
+    avoided = found.answers.status == Status.AVOIDED.code
     share = cells(found, avoided)
     thrown, counted = _count(found, np.ones_like(avoided)), _count(found, avoided)
     order = np.argsort(share, axis=None, kind="stable")  # NaN last

@@ -11,15 +11,21 @@ from tqdm import tqdm
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
-from mgjax.avoidance.body.device_tables import search_tables
-from mgjax.avoidance.config import AvoidanceConfig, validate_config
-from mgjax.avoidance.many.attacks import AVOIDED, BatchSelection, select_batch
+from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.config import (
+    ARRIVALS_S,
+    BALL_SPEED_M_S,
+    DIRECTIONS,
+    HEIGHTS_M,
+    NODES,
+    AvoidanceConfig,
+    validate_config,
+)
+from mgjax.avoidance.many.attacks import BatchSelection, select_batch
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.core.errors import ConfigError, GraphError
 from mgjax.graph.types import MotionGraph
 
-HEIGHTS_M = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7)
-"""Where balls pass the body's axis: from the shins to the head."""
-ARRIVALS_S = (0.8, 1.2, 1.6)
 DISTANCE_M = 5.0
 """From where a ball is thrown to the body's axis."""
 NO_KIND = -1
@@ -67,14 +73,14 @@ class Coverage:
 
 
 def coverage(
-    graph: MotionGraph,
+    graph: MotionGraph | Prepared,
     *,
-    directions: int = 16,
+    directions: int = DIRECTIONS,
     heights: Sequence[float] = HEIGHTS_M,
     arrivals: Sequence[float] = ARRIVALS_S,
-    nodes: int = 256,
+    nodes: int = NODES,
     seed: int = 0,
-    speed: float = 10.0,
+    speed: float = BALL_SPEED_M_S,
     config: AvoidanceConfig | None = None,
     progress: bool = False,
 ) -> Coverage:
@@ -85,7 +91,8 @@ def coverage(
     often (to within one); that says more about a graph than all of them at fewer nodes would.
 
     Args:
-        graph: a motion graph with labelled avoidance parts.
+        graph: a motion graph with labelled avoidance parts, or what
+            :func:`~mgjax.avoidance.prepared.prepare` made of one.
         directions: how many, evenly spaced; the first is straight ahead.
         heights: at the body's axis, m.
         arrivals: seconds from now until a ball is at the axis.
@@ -103,13 +110,15 @@ def coverage(
     config = config or AvoidanceConfig()
     validate_config(config)
     _validate(directions, heights, arrivals, nodes, seed, speed, config)
+    prepared = prepared_for(graph, config)
+    graph = prepared.graph
     if not len(graph.label_edge):
         raise GraphError(
             "got a graph without avoidance parts, expected one that was built with labels"
         )
     angles = 2 * np.pi * np.arange(directions) / directions
     high, late = np.unique(np.asarray(heights, float)), np.unique(np.asarray(arrivals, float))
-    nearest = search_tables(graph, config.body_rate, config.speed)[0].nearest_part
+    nearest = prepared.tables.nearest_part
     node, direction, dealt = _deal(nearest, directions, nodes, len(high) * len(late), seed)
     height, arrival = dealt % len(high), dealt // len(high)
     some = max(_CHUNK // directions, 1) * directions
@@ -122,7 +131,7 @@ def coverage(
                 _ball(float(angles[d]), float(high[h]), float(late[a]), speed)
                 for d, h, a in zip(direction[part], height[part], arrival[part], strict=True)
             ]
-            answers.append(select_batch(graph, node[part], balls, config=config))
+            answers.append(select_batch(prepared, node[part], balls, config=config))
             bar.update(len(balls))
     joined = _join(answers)
     kinds, kind_of_part = np.unique(np.array(graph.label_kind), return_inverse=True)
@@ -138,7 +147,7 @@ def coverage(
         arrival=arrival,
         answers=joined,
         kinds=tuple(kinds.tolist()),
-        kind=np.where(joined.status == AVOIDED, kind_of_part[joined.part], NO_KIND),
+        kind=np.where(joined.status == Status.AVOIDED.code, kind_of_part[joined.part], NO_KIND),
         nearest_part=nearest,
     )
 

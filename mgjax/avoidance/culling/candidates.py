@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 
 import jax
 import numpy as np
@@ -11,48 +11,43 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop
-from mgjax.avoidance.body.device_tables import PART_CENTRE, DeviceTables, search_tables
-from mgjax.avoidance.body.edge_tables import edge_tables
+from mgjax.avoidance.body.device_tables import DeviceTables, PartColumn
 from mgjax.avoidance.body.volumes import read_edges
 from mgjax.avoidance.candidates.batch import Walks, pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling.cull import cull
-from mgjax.avoidance.culling.pictures import Form, Slices, build_slices
+from mgjax.avoidance.culling.pictures import Form, Slices
 from mgjax.avoidance.timing.time_scale import OK, UNLIMITED, Timing, time_scale
 from mgjax.core.arrays import Array
 from mgjax.core.xla.padding import pad_axis
-from mgjax.graph.types import MotionGraph
 
 PIXELS: dict[Form, int] = {"paper": 96, "binned": 32}
 """Most pixels in which a candidate that is kept overlaps the attack. Where false culls and false
 keeps of ``experiments/avoidance/culling.py`` balance."""
 
 
-@lru_cache(maxsize=4)
-def graph_slices(graph: MotionGraph, body_rate: float) -> Slices:
-    """The slices of a graph, kept: they are drawn once for all attacks."""
-    return jax.device_put(build_slices(edge_tables(graph, body_rate)))
-
-
 def without_culled(
-    graph: MotionGraph,
+    slices: Slices,
+    device: DeviceTables,
     candidates: Candidates,
     attack: Attack,
     crop: Crop,
-    form: Form,
     config: AvoidanceConfig,
+    *,
+    frame_rate: float,
 ) -> tuple[Candidates, int]:
-    """The candidates that are kept, and how many are dropped.
+    """The candidates that are kept, and how many are dropped, by the form that ``config`` names.
 
     Those that cannot be timed are kept: nothing is known of when they would play what.
     """
     count = len(candidates.length)
-    if not count:
+    if not count or config.culling == "none":
         return candidates, 0
-    status, scales = timing_of(graph, candidates, crop, config)
+    form: Form = config.culling
+    status, scales = timing_of(device, candidates, crop, config, frame_rate=frame_rate)
     keep = cull(
-        graph_slices(graph, config.body_rate),
+        slices,
         candidates,
         scales,
         attack,
@@ -71,16 +66,20 @@ def without_culled(
 
 
 def timing_of(
-    graph: MotionGraph, candidates: Candidates, crop: Crop, config: AvoidanceConfig
+    device: DeviceTables,
+    candidates: Candidates,
+    crop: Crop,
+    config: AvoidanceConfig,
+    *,
+    frame_rate: float,
 ) -> tuple[Int[np.ndarray, " C"], Float[np.ndarray, "C L"]]:
     """Status and scales of candidates (eqs 2–3), without their energies."""
-    _, device = search_tables(graph, config.body_rate, config.speed)
     timing = _timing(
         device,
         pad_candidates(candidates),
         np.asarray(crop.middle, dtype=np.float32),
         np.asarray(config.energy.E_time if config.limit_scale else UNLIMITED, dtype=np.float32),
-        half_frame=0.5 / graph.frame_rate,
+        half_frame=0.5 / frame_rate,
     )
     count, width = candidates.edges.shape
     scales = np.asarray(timing.scales)[:width, :count].T
@@ -102,7 +101,7 @@ def _timing(
         read.slow_down > 0,
         read.speed_up > 0,
         walks.length,
-        tables.parts[walks.part, PART_CENTRE],
+        tables.parts[walks.part, PartColumn.CENTRE],
         t_attack,
         half_frame=half_frame,
         limit=limit,

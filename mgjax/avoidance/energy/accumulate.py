@@ -17,7 +17,7 @@ from mgjax.avoidance.attacks.batch import (
     presence,
 )
 from mgjax.avoidance.body.device_tables import DeviceTables
-from mgjax.avoidance.body.volumes import Laid, find, spheres_at
+from mgjax.avoidance.body.volumes import PlacedEdges, locate, spheres_at
 from mgjax.avoidance.candidates.batch import Walks
 from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.kernel import Paths, Totals, join, no_totals, over_sphere
@@ -30,17 +30,17 @@ needs no more to cross the cylinder around the body; for others the compiled cod
 _NEVER = 1 << 30
 
 
-def over_time(
+def accumulate(
     tables: DeviceTables,
     walks: Walks,
-    laid: Laid,
+    placed: PlacedEdges,
     span: tuple[Array, Array],
     shots: Shots,
     config: EnergyConfig,
 ) -> tuple[Totals, Bool[Array, " C"]]:
     """e'/Δt, d and d0 of candidates over the evaluated times, and whether their attack is there.
 
-    ``TIMES`` moments at a time; each lot begins with the last moment of the lot before, so that
+    ``TIMES`` moments at a time; each chunk begins with the last moment of the chunk before, so that
     nothing between them is left out.
     """
     count = walks.length.shape[0]
@@ -52,7 +52,7 @@ def over_time(
         """[T, A, …] of attacks to [T, C, …]; [T, 1, …] where there is but one."""
         return values if walks.owner is None else values[:, walks.owner]
 
-    def lot(k: Array, known: tuple[Totals, Array]) -> tuple[Totals, Array]:
+    def chunk(k: Array, known: tuple[Totals, Array]) -> tuple[Totals, Array]:
         first = k * (TIMES - 1)
         index = first + jnp.arange(TIMES, dtype=jnp.int32)
         own_times = evaluation_times(shots, index)
@@ -60,10 +60,10 @@ def over_time(
         present = of_walks(presence(shots, own_times))
         times = jnp.broadcast_to(of_walks(own_times), (TIMES, count))
         # The pose at the start of the part is one more time.
-        where = find(tables, laid, jnp.concatenate([times, start]))
-        body = spheres_at(tables, where)
+        keys = locate(tables, placed, jnp.concatenate([times, start]))
+        body = spheres_at(tables, keys)
         counts = index[:, None].astype(jnp.float32) < number
-        active = counts & (times <= laid.stop[None])
+        active = counts & (times <= placed.stop[None])
         again = (index == first) & (k > 0)
         paths = Paths(
             centres=body[:, :-1],
@@ -74,17 +74,17 @@ def over_time(
             scored=active & (times >= start) & (times < stop) & ~again[:, None],
         )
         totals, met = known
-        found = _over_spheres(paths, centres, of_radii(shots), present, spheres, config)
+        added = _over_spheres(paths, centres, of_radii(shots), present, spheres, config)
         met = met | jnp.any(active & jnp.any(present, axis=-1), axis=0)
-        return join(totals, found), met
+        return join(totals, added), met
 
     def of_radii(shots: Shots) -> Float[Array, "A I"]:
         return shots.spheres[:, 0] if walks.owner is None else shots.spheres[walks.owner, 0]
 
     spheres = jnp.max(shots.number(SPHERE_COUNT)).astype(jnp.int32)
-    lots = jnp.ceil((jnp.max(shots.number(EVALUATED)) - 1) / (TIMES - 1)).astype(jnp.int32)
+    chunks = jnp.ceil((jnp.max(shots.number(EVALUATED)) - 1) / (TIMES - 1)).astype(jnp.int32)
     none = no_totals(count), jnp.zeros(count, bool)
-    return jax.lax.fori_loop(0, lots, lot, none)
+    return jax.lax.fori_loop(0, chunks, chunk, none)
 
 
 def _over_spheres(
@@ -95,18 +95,18 @@ def _over_spheres(
     count: Int[Array, ""],
     config: EnergyConfig,
 ) -> Totals:
-    """The same over all spheres of the attacks, of which ``count`` are no padding."""
+    """(e'/Δt, d, d0) over all spheres of the attacks, of which ``count`` are no padding."""
     slots = radii.shape[1]
-    apart = jnp.moveaxis(centres.reshape(*centres.shape[:2], slots, 3), (2, 3), (0, 1))
+    each = jnp.moveaxis(centres.reshape(*centres.shape[:2], slots, 3), (2, 3), (0, 1))
 
-    def one(sphere: Array, radius: Array, there: Array) -> Totals:
-        return over_sphere(config.form, True, paths, sphere, radius, there)
+    def one(sphere: Array, radius: Array, present: Array) -> Totals:
+        return over_sphere(config.form, True, paths, sphere, radius, present)
 
     if slots == 1:
-        return one(apart[0], radii[:, 0], present[..., 0])
+        return one(each[0], radii[:, 0], present[..., 0])
 
     def step(k: Array, known: Totals) -> Totals:
-        return join(known, one(apart[k], radii[:, k], present[..., k]))
+        return join(known, one(each[k], radii[:, k], present[..., k]))
 
     return jax.lax.fori_loop(0, count, step, no_totals(paths.active.shape[1]))
 

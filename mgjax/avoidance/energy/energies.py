@@ -14,13 +14,11 @@ import jax.numpy as jnp
 from jaxtyping import Bool, Float
 
 from mgjax.avoidance.config import EnergyConfig, Number
-from mgjax.avoidance.energy.kernel import FAR, Paths, Totals, over_attack
+from mgjax.avoidance.energy.kernel import Paths, over_attack
+from mgjax.avoidance.energy.score import avoidance_energy, body_energy
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
 from mgjax.core.xla.pytree import register
-
-_SAME = 1e-5
-"""Clearances that differ by less, m, are equal: rounding, some metres from the origin."""
 
 register("form", "d0")(EnergyConfig)
 
@@ -169,85 +167,15 @@ def energies_batch(
     )
     centres, radii = _float32(attack_centres), _float32(attack_radii)
     present = jnp.ones(centres.shape[1:], bool) if attack_present is None else attack_present
-    moved, d, d0 = over_attack(config.form, swept, paths, centres, radii, jnp.asarray(present))
+    totals = over_attack(config.form, swept, paths, centres, radii, jnp.asarray(present))
     met = jnp.any(active & jnp.any(present, axis=1)[:, None], axis=0)
-    return energies_of((moved, d, d0), met, dt, config)
-
-
-def energies_of(
-    totals: Totals, met: Bool[Array, " C"], dt: Float[Array, "*c"] | float, config: EnergyConfig
-) -> Energies:
-    """The energies of candidates of which the sum over time and the distances are known.
-
-    Args:
-        totals: e'/Δt, d and d0.
-        met: whether the attack was there at any time; d and d0 are ``FAR`` where not.
-        dt: interval of the evaluated times, s; one for each candidate, or one for all.
-        config: forms, scales and weights.
-    """
-    moved, d, d0 = totals
-    d, d0 = jnp.where(met, d, FAR), jnp.where(met, d0, FAR)
-    penetration = moved * _float32(dt)
+    penetration, d, d0 = totals.measured(met, _float32(dt))
     return Energies(
         avoidance=avoidance_energy(penetration, config.E_avoidance),
         body=body_energy(d, d0, config),
         penetration=penetration,
         d=d,
         d0=d0,
-    )
-
-
-def avoidance_energy(
-    penetration: Float[Array, "*c"] | float, E_avoidance: Number
-) -> Float[Array, "*c"]:
-    """e_avoidance (eq. 6): 1 − e'/E_avoidance, at least 0.
-
-    Args:
-        penetration: e' (eq. 4), m·s.
-        E_avoidance: e' at which an avoidance is perfect, m·s, > 0.
-    """
-    return jnp.maximum(1 - _float32(penetration) / _float32(E_avoidance), 0.0)
-
-
-def body_energy(
-    d: Float[Array, "*c"] | float, d0: Float[Array, "*c"] | float, config: EnergyConfig
-) -> Float[Array, "*c"]:
-    """e_body (eq. 8): (d − d0)/D_body between d0 and d0 + D_body, and 1 outside.
-
-    Args:
-        d: clearance of the body (eq. 7), m.
-        d0: the same had it frozen when the avoidance began, m; clamped here where ``config.d0``
-            says so.
-        config: ``d0`` and ``D_body``.
-    """
-    clear, frozen = _float32(d), _float32(d0)
-    excess = clear - (jnp.maximum(frozen, 0.0) if config.d0 == "clamped" else frozen)
-    width = _float32(config.D_body)
-    return jnp.where((excess > _SAME) & (excess < width), excess / width, 1.0)
-
-
-def time_scale_energy(s: Float[Array, "*c"] | float, E_time: Number) -> Float[Array, "*c"]:
-    """e_timescale (eq. 9): s/E_time if s > 1, 1/(s E_time) if s < 1; 1/E_time at s = 1.
-
-    Args:
-        s: factor on the duration of the adjustable edges, > 0.
-        E_time: largest acceptable factor.
-    """
-    scale = jnp.maximum(jnp.abs(_float32(s)), 1e-6)
-    return jnp.maximum(scale, 1 / scale) / _float32(E_time)
-
-
-def total_energy(
-    avoidance: Float[Array, "*c"] | float,
-    body: Float[Array, "*c"] | float,
-    timescale: Float[Array, "*c"] | float,
-    config: EnergyConfig,
-) -> Float[Array, "*c"]:
-    """e (eq. 10), the weighted sum of the three energies; the smallest wins."""
-    return (
-        _float32(config.w_a) * _float32(avoidance)
-        + _float32(config.w_b) * _float32(body)
-        + _float32(config.w_t) * _float32(timescale)
     )
 
 

@@ -19,10 +19,8 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Bool, Float
 
+from mgjax.avoidance.rates import FAR
 from mgjax.core.arrays import Array
-
-FAR = 1e6
-"""Clearance of a path that meets no active attack, m: large, but finite."""
 
 _TINY = 1e-20
 """Squared length under which two points coincide or a sphere stands still, m²."""
@@ -38,7 +36,31 @@ _BLOCK = 10
 compiler stops vectorising them."""
 
 Vector: TypeAlias = tuple[Array, ...]
-Totals: TypeAlias = tuple[Array, Array, Array]
+
+
+class Totals(NamedTuple):
+    """What the kernel finds over times and spheres, per candidate.
+
+    Attributes:
+        moved: e'/Δt, m.
+        d, d0: least clearances (eqs 7–8), m; ``FAR`` where no time was active.
+    """
+
+    moved: Float[Array, " C"]
+    d: Float[Array, " C"]
+    d0: Float[Array, " C"]
+
+    def measured(
+        self, met: Bool[Array, " C"], dt: Float[Array, "*c"]
+    ) -> tuple[Float[Array, " C"], Float[Array, " C"], Float[Array, " C"]]:
+        """e' (m·s), d and d0 (m), the last two ``FAR`` where the attack was never ``met``.
+
+        Args:
+            met: whether the attack was there at any time.
+            dt: interval of the evaluated times, s; one for each candidate, or one for all.
+        """
+        d, d0 = jnp.where(met, self.d, FAR), jnp.where(met, self.d0, FAR)
+        return self.moved * dt, d, d0
 
 
 class Paths(NamedTuple):
@@ -121,7 +143,7 @@ def _over_time_wide(
     sphere: Float[Array, "3 T A"],
     radius: Float[Array, " A"],
 ) -> Totals:
-    """The same for many candidates, as straight code.
+    """(e'/Δt, d, d0) of many candidates against one attack sphere, as straight code.
 
     XLA's CPU code for a loop reads the index of a slice from memory for every element, which keeps
     it scalar; straight code is vectorised, six times faster. A block too long is not, hence the
@@ -190,18 +212,20 @@ def _over_body(sums: _Sums, paths: Paths, radius: Array) -> Totals:
     nearest = jnp.min(_distance(sums.nearest) - reach, axis=1)
     nearest0 = jnp.min(_distance(sums.nearest0) - reach, axis=1)
     moved = jnp.where(paths.radii[None] >= 0, sums.moved, 0.0)
-    return jnp.sum(moved, axis=1), nearest, nearest0
+    return Totals(jnp.sum(moved, axis=1), nearest, nearest0)
 
 
 def no_totals(candidates: int) -> Totals:
-    """Of candidates that were compared with nothing."""
+    """The totals of candidates that were compared with nothing."""
     far = jnp.full(candidates, FAR, jnp.float32)
-    return jnp.zeros_like(far), far, far
+    return Totals(jnp.zeros_like(far), far, far)
 
 
 def join(one: Totals, other: Totals) -> Totals:
-    """Over the spheres or times of both."""
-    return one[0] + other[0], jnp.minimum(one[1], other[1]), jnp.minimum(one[2], other[2])
+    """The totals over the spheres or times of both."""
+    return Totals(
+        one.moved + other.moved, jnp.minimum(one.d, other.d), jnp.minimum(one.d0, other.d0)
+    )
 
 
 def _reach(paths: Paths, radius: Array) -> Array:

@@ -1,210 +1,160 @@
-"""Many candidates judged at once: their timing, their body volume in the world, their energies."""
+"""From what is measured of a candidate to what it is worth: the three energies (eqs 6, 8–10).
+
+Measures do not depend on the settings of the energies; scores do. A new term is a field of
+:class:`Scores`, a line of :func:`score`, a field of :class:`Energy`, and its settings in
+:class:`~mgjax.avoidance.config.EnergyConfig`; a new measure comes from the kernel.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass, fields
 
 import jax
 import jax.numpy as jnp
-import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
-from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import (
-    CROP_END,
-    CROP_START,
-    EVALUATED,
-    T_ATTACK,
-    Shots,
-    make_shot,
-)
-from mgjax.avoidance.attacks.crop import Crop
-from mgjax.avoidance.body.device_tables import (
-    PART_CENTRE,
-    PART_START,
-    PART_STOP,
-    DeviceTables,
-)
-from mgjax.avoidance.body.volumes import BEGIN, SCALE, lay, read_edges
-from mgjax.avoidance.candidates.batch import TILE, Walks, pad_candidates
-from mgjax.avoidance.candidates.enumerate import Candidates
-from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
-from mgjax.avoidance.energy.accumulate import over_time
-from mgjax.avoidance.energy.energies import Energies, energies_of, time_scale_energy, total_energy
-from mgjax.avoidance.timing.time_scale import OK, PADDING, UNLIMITED, Timing, time_scale
+from mgjax.avoidance.config import EnergyConfig, Number
 from mgjax.core.arrays import Array
-from mgjax.core.xla.materialise import stage
 from mgjax.core.xla.pytree import register
+
+_SAME = 1e-5
+"""Clearances that differ by less, m, are equal: rounding, some metres from the origin."""
 
 
 @register()
 @dataclass(frozen=True, kw_only=True)
-class Judged:
-    """What is known of each candidate. Fields are [C]; ``timing.scales`` is [L, C]."""
+class Measures:
+    """What is measured of one candidate, or of each of many.
 
-    timing: Timing
-    energies: Energies
-    timescale: Float[Array, " C"]
-    total: Float[Array, " C"]
+    Attributes:
+        penetration: e' (eq. 4), m·s: what the avoidance moved out of the attack's way.
+        d: least clearance of attack and body (eq. 7), m; negative where the body is hit.
+        d0: the clearance had the body frozen when the avoidance began, m; never clamped here.
+        s_time: factor on the duration of the adjustable edges (eq. 3).
+    """
+
+    penetration: Float[Array, "*c"]
+    d: Float[Array, "*c"]
+    d0: Float[Array, "*c"]
+    s_time: Float[Array, "*c"]
 
 
-def judge_tile(
-    tables: DeviceTables,
-    walks: Walks,
-    shots: Shots,
-    config: EnergyConfig,
-    *,
-    half_frame: float,
-    limit_scale: bool,
-) -> Judged:
-    """Timing and energies of some candidates (§4.1, §4.2)."""
-    limit = jnp.asarray(config.E_time if limit_scale else UNLIMITED, dtype=jnp.float32)
-    t_attack = walks.each(shots.number(T_ATTACK))
+@register()
+@dataclass(frozen=True, kw_only=True)
+class Scores:
+    """What one candidate, or each of many, is worth; smaller is better.
 
-    def begin(edges: Array, length: Array, part: Array, t_attack: Array) -> tuple:
-        read = read_edges(tables, edges)
-        timing = time_scale(
-            read.seconds,
-            read.slow_down > 0,
-            read.speed_up > 0,
-            length,
-            tables.parts[part, PART_CENTRE],
-            t_attack,
-            half_frame=half_frame,
-            limit=limit,
-        )
-        timing = replace(timing, status=jnp.where(length > 0, timing.status, PADDING))
-        return timing, lay(tables, edges, read, timing.scales)
+    Attributes:
+        total: e (eq. 10).
+        avoidance: e_avoidance (eq. 6), 0 … 1.
+        body: e_body (eq. 8), 0 … 1.
+        timescale: e_timescale (eq. 9).
+    """
 
-    timing, laid = stage(tables.there, begin, walks.edges, walks.length, walks.part, t_attack)
-    rows = laid.row(jnp.maximum(walks.length - 1, 0)[None])[0]
-    begins, scale = rows[:, BEGIN], rows[:, SCALE]
-    spans = tables.parts[walks.part]
-    span = (begins + spans[:, PART_START] * scale, begins + spans[:, PART_STOP] * scale)
-    totals, met = over_time(tables, walks, laid, span, shots, config)
-    crop = walks.each(shots.number(CROP_END) - shots.number(CROP_START))
-    found = energies_of(totals, met, crop / (walks.each(shots.number(EVALUATED)) - 1), config)
-    timescale = time_scale_energy(timing.s_time, config.E_time)
-    return Judged(
-        timing=timing,
-        energies=found,
+    total: Float[Array, "*c"]
+    avoidance: Float[Array, "*c"]
+    body: Float[Array, "*c"]
+    timescale: Float[Array, "*c"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Energy:
+    """What a chosen walk was worth and what of it was measured; the fields are those of eqs 4–10.
+
+    Attributes:
+        total, avoidance, body, timescale: see :class:`Scores`.
+        penetration, d, d0: see :class:`Measures`.
+    """
+
+    total: float
+    avoidance: float
+    body: float
+    timescale: float
+    penetration: float
+    d: float
+    d0: float
+
+
+ROWS = tuple(field.name for kind in (Measures, Scores) for field in fields(kind))
+"""The names of all measures and scores, in the order in which :func:`stacked` has them."""
+
+
+def score(measures: Measures, config: EnergyConfig) -> Scores:
+    """The energies of candidates, and their weighted sum (eqs 6, 8–10)."""
+    avoidance = avoidance_energy(measures.penetration, config.E_avoidance)
+    body = body_energy(measures.d, measures.d0, config)
+    timescale = time_scale_energy(measures.s_time, config.E_time)
+    return Scores(
+        total=total_energy(avoidance, body, timescale, config),
+        avoidance=avoidance,
+        body=body,
         timescale=timescale,
-        total=total_energy(found.avoidance, found.body, timescale, config),
     )
 
 
-def judge_all(
-    tables: DeviceTables,
-    walks: Walks,
-    shots: Shots,
+def stacked(measures: Measures, scores: Scores) -> Float[Array, "R C"]:
+    """All measures and scores in one array, a row each, named by ``ROWS``."""
+    values = {name: getattr(part, name) for part in (measures, scores) for name in _names(part)}
+    return jnp.stack([values[name] for name in ROWS])
+
+
+def _names(part: Measures | Scores) -> list[str]:
+    return [field.name for field in fields(part)]
+
+
+def avoidance_energy(
+    penetration: Float[Array, "*c"] | float, E_avoidance: Number
+) -> Float[Array, "*c"]:
+    """e_avoidance (eq. 6): 1 − e'/E_avoidance, at least 0.
+
+    Args:
+        penetration: e' (eq. 4), m·s.
+        E_avoidance: e' at which an avoidance is perfect, m·s, > 0.
+    """
+    return jnp.maximum(1 - _float32(penetration) / _float32(E_avoidance), 0.0)
+
+
+def body_energy(
+    d: Float[Array, "*c"] | float, d0: Float[Array, "*c"] | float, config: EnergyConfig
+) -> Float[Array, "*c"]:
+    """e_body (eq. 8): (d − d0)/D_body between d0 and d0 + D_body, and 1 outside.
+
+    Args:
+        d: clearance of the body (eq. 7), m.
+        d0: the same had it frozen when the avoidance began, m; clamped here where ``config.d0``
+            says so.
+        config: ``d0`` and ``D_body``.
+    """
+    clear, frozen = _float32(d), _float32(d0)
+    excess = clear - (jnp.maximum(frozen, 0.0) if config.d0 == "clamped" else frozen)
+    width = _float32(config.D_body)
+    return jnp.where((excess > _SAME) & (excess < width), excess / width, 1.0)
+
+
+def time_scale_energy(s: Float[Array, "*c"] | float, E_time: Number) -> Float[Array, "*c"]:
+    """e_timescale (eq. 9): s/E_time if s > 1, 1/(s E_time) if s < 1; 1/E_time at s = 1.
+
+    Args:
+        s: factor on the duration of the adjustable edges, > 0.
+        E_time: largest acceptable factor.
+    """
+    scale = jnp.maximum(jnp.abs(_float32(s)), 1e-6)
+    return jnp.maximum(scale, 1 / scale) / _float32(E_time)
+
+
+def total_energy(
+    avoidance: Float[Array, "*c"] | float,
+    body: Float[Array, "*c"] | float,
+    timescale: Float[Array, "*c"] | float,
     config: EnergyConfig,
-    *,
-    half_frame: float,
-    limit_scale: bool,
-) -> Judged:
-    """The same for any number of candidates: up to a tile, or a multiple of one.
-
-    Tiles without candidates are left out, so large arrays of few candidates cost little.
-    """
-    one = partial(
-        judge_tile,
-        tables,
-        shots=shots,
-        config=config,
-        half_frame=half_frame,
-        limit_scale=limit_scale,
+) -> Float[Array, "*c"]:
+    """e (eq. 10), the weighted sum of the three energies; the smallest wins."""
+    return (
+        _float32(config.w_a) * _float32(avoidance)
+        + _float32(config.w_b) * _float32(body)
+        + _float32(config.w_t) * _float32(timescale)
     )
-    count = walks.length.shape[0]
-    if count <= TILE:
-        return one(walks)
-
-    def cut(tile: Array | int) -> Walks:
-        return jax.tree.map(
-            lambda x: jax.lax.dynamic_slice_in_dim(x, tile * TILE, TILE, axis=x.ndim - 1), walks
-        )
-
-    shapes = jax.eval_shape(one, jax.eval_shape(cut, 0))
-    nothing = jax.tree.map(lambda x: jnp.zeros((*x.shape[:-1], count), x.dtype), shapes)
-    status = jnp.full_like(walks.length, PADDING)
-    nothing = replace(nothing, timing=replace(nothing.timing, status=status))
-
-    def step(tile: Array, found: Judged) -> Judged:
-        return jax.tree.map(
-            lambda whole, part: jax.lax.dynamic_update_slice_in_dim(
-                whole, part, tile * TILE, axis=whole.ndim - 1
-            ),
-            found,
-            one(cut(tile)),
-        )
-
-    tiles = (jnp.sum((walks.length > 0).astype(jnp.int32)) + TILE - 1) // TILE
-    return jax.lax.fori_loop(0, tiles, step, nothing)
 
 
-def ranking(judged: Judged, owner: Int[Array, " C"] | None = None) -> Int[Array, " C"]:
-    """Candidates in the order of their energy; those that seem to be hit after them, then the rest.
-
-    The volumes that rank are samples, so a small penetration there is not yet a hit: such
-    candidates follow, the least touched first, and the exact check decides on all. Last are those
-    that cannot be timed. Ties go to the lower number. With an ``owner`` they are ordered by that
-    first.
-    """
-    d = judged.energies.d
-    value = jnp.abs(jnp.where(d < 0, d, judged.total))  # also of a zero with a sign
-    # Numbers that are not negative are in the order of their bits.
-    bits = jax.lax.bitcast_convert_type(value, jnp.uint32)
-    key = jnp.where(d < 0, bits | jnp.uint32(1 << 31), bits)
-    key = jnp.where(judged.timing.status == OK, key, jnp.uint32(0xFFFFFFFF))
-    return jnp.argsort(key) if owner is None else jnp.lexsort((key, owner))
-
-
-_judge = jax.jit(judge_all, static_argnames=("half_frame", "limit_scale"))
-
-
-def judge(
-    device: DeviceTables,
-    candidates: Candidates,
-    attack: Attack,
-    crop: Crop,
-    config: AvoidanceConfig,
-    *,
-    frame_rate: float,
-) -> dict[str, np.ndarray]:
-    """Energies and timing of all candidates, as NumPy arrays by name; ``order`` ranks them.
-
-    The attack is in the planar frame of the node at which the walks begin, and time counts from
-    there. Shapes are padded to a few sizes, so that attacks do not compile anew.
-    """
-    judged = _judge(
-        device,
-        pad_candidates(candidates),
-        make_shot(attack, crop, config, 0.0),
-        config.energy,
-        half_frame=0.5 / frame_rate,
-        limit_scale=config.limit_scale,
-    )
-    count = len(candidates.length)
-    found = {name: np.asarray(value)[..., :count] for name, value in by_name(judged).items()}
-    found["scales"] = found["scales"].T
-    usable = found["status"] == OK
-    d = found["d"]
-    keys = (np.where(d < 0, -d, found["total"]), d < 0, ~usable)
-    found["order"] = np.lexsort(keys)[: int(usable.sum())]
-    return found
-
-
-def by_name(judged: Judged) -> dict[str, Array]:
-    """All fields."""
-    return {
-        "s_time": judged.timing.s_time,
-        "scales": judged.timing.scales,
-        "status": judged.timing.status,
-        "avoidance": judged.energies.avoidance,
-        "body": judged.energies.body,
-        "penetration": judged.energies.penetration,
-        "d": judged.energies.d,
-        "d0": judged.energies.d0,
-        "timescale": judged.timescale,
-        "total": judged.total,
-    }
+def _float32(value: Number) -> jax.Array:
+    return jnp.asarray(value, jnp.float32)

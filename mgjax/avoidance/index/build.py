@@ -21,18 +21,18 @@ import numpy as np
 from jaxtyping import Float, Int, Integer, UInt32
 from tqdm import tqdm
 
-from mgjax.avoidance.body.edge_tables import EdgeTables
-from mgjax.avoidance.index.cells import CELL_M, LOWEST, SPAN
-from mgjax.avoidance.index.index import GridIndex, fingerprint
+from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
+from mgjax.avoidance.index.cells import CELL_M, LOWEST
+from mgjax.avoidance.index.files import fingerprint
+from mgjax.avoidance.index.index import GridIndex
 from mgjax.avoidance.index.part_volumes import (
     PIXEL_M,
-    ROUNDING_M,
     PartVolumes,
     part_volumes,
     touched_by,
 )
 from mgjax.avoidance.index.paths import Paths, grid_paths
-from mgjax.core import planar
+from mgjax.avoidance.index.rectangles import Rectangles, rectangles
 from mgjax.core.arrays import Array
 from mgjax.core.xla.padding import pad_axis
 from mgjax.core.xla.pytree import register
@@ -47,29 +47,51 @@ _AREAS = np.array([32, 64, 96, 128, 192, 256])
 
 def build_index(
     graph: MotionGraph,
-    tables: EdgeTables,
     *,
     horizon: float = 2.0,
     rate: float = 30.0,
     capacity: int = CAPACITY,
     progress: bool = False,
 ) -> GridIndex:
-    """The index of all paths with t_avoid ≤ horizon at natural speed.
+    """The index of all paths with t_avoid ≤ horizon at natural speed (§5.1).
 
     Args:
-        graph, tables: the graph and its tables.
+        graph: a motion graph with labelled avoidance parts.
         horizon: s.
         rate: moments per second at which a part's volume is sampled: its start, 1/rate s later and
-            so on, and its end. Between the samples of the tables it is interpolated.
+            so on, and its end. Between the frames of the graph it is interpolated.
         capacity: most paths of a node; the index then knows up to when they are all there.
         progress: shows a bar.
+    """
+    return index_of_tables(
+        graph,
+        edge_tables(graph, graph.frame_rate),
+        horizon=horizon,
+        rate=rate,
+        capacity=capacity,
+        progress=progress,
+    )
+
+
+def index_of_tables(
+    graph: MotionGraph,
+    tables: EdgeTables,
+    *,
+    horizon: float,
+    rate: float,
+    capacity: int,
+    progress: bool,
+) -> GridIndex:
+    """The index of a graph whose body volumes are those of given tables; see :func:`build_index`.
+
+    Between the samples of the tables the volumes are interpolated.
     """
     clock = [time.perf_counter()]
     paths = grid_paths(graph, tables, horizon, capacity)
     clock.append(time.perf_counter())
     volumes = part_volumes(tables, rate, np.unique(paths.part))
     clock.append(time.perf_counter())
-    boxes = _rectangles(paths, volumes)
+    boxes = rectangles(paths, volumes)
     columns = _columns(paths, volumes, boxes, progress)
     clock.append(time.perf_counter())
     latest = int(np.floor(horizon * 2 * graph.frame_rate + 1e-6))
@@ -113,52 +135,8 @@ class _Rasters:
     columns: Float[Array, " A"]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Rectangles:
-    """The columns among which those of each path are.
-
-    Attributes:
-        origin: lowest column. [P]
-        width, area: columns along z, and of all. [P]
-        place: x and z of the rectangle's lowest corner, in the part's frame from the corner of its
-            raster, m; cosine and sine of the turn of the part's frame in the node's. [P, 4]
-    """
-
-    origin: Int[np.ndarray, " P"]
-    width: Int[np.ndarray, " P"]
-    area: Int[np.ndarray, " P"]
-    place: Float[np.ndarray, "P 4"]
-
-
-def _rectangles(paths: Paths, volumes: PartVolumes) -> _Rectangles:
-    """Around the outline of each path's part, placed by the path."""
-    low = np.zeros((len(paths.part), 2), np.int64)
-    high = low - 1
-    c, s = np.cos(paths.place[:, 0]), np.sin(paths.place[:, 0])
-    for part in np.flatnonzero([len(outline) for outline in volumes.outlines]):
-        mine = np.flatnonzero(paths.part == part)
-        rows = np.array([[c[mine], s[mine]], [-s[mine], c[mine]]])  # of planar.apply, for x and z
-        for axis in range(2):
-            moved = volumes.outlines[part] @ rows[axis] + paths.place[mine, 1 + axis]
-            low[mine, axis] = np.floor((moved.min(axis=0) - ROUNDING_M) / CELL_M)
-            high[mine, axis] = np.floor((moved.max(axis=0) + ROUNDING_M) / CELL_M)
-    low, high = np.maximum(low, -SPAN // 2), np.minimum(high, SPAN // 2 - 1)
-    size = np.maximum(high - low + 1, 0)
-    size[(size == 0).any(axis=1)] = 0
-    low[size[:, 0] == 0] = 0
-    corner = np.stack([low[:, 0] * CELL_M, np.zeros(len(low)), low[:, 1] * CELL_M], axis=1)
-    local = np.asarray(planar.apply(planar.inverse(paths.place), corner))[:, [0, 2]]
-    place = [local - volumes.corner[paths.part], c[:, None], s[:, None]]
-    return _Rectangles(
-        origin=(low[:, 0] + SPAN // 2) * SPAN + low[:, 1] + SPAN // 2,
-        width=np.maximum(size[:, 1], 1),
-        area=size.prod(axis=1),
-        place=np.concatenate(place, axis=1).astype(np.float32),
-    )
-
-
 def _columns(
-    paths: Paths, volumes: PartVolumes, boxes: _Rectangles, progress: bool
+    paths: Paths, volumes: PartVolumes, boxes: Rectangles, progress: bool
 ) -> dict[str, np.ndarray]:
     """The columns of all paths, as the arrays of :class:`GridIndex`, and ``masks``."""
     count, first = (np.zeros(len(paths.part), np.int64) for _ in range(2))
@@ -168,16 +146,16 @@ def _columns(
     total = 0
     largest = int(boxes.area.max(initial=1)) - 1
     bar = tqdm(total=int((boxes.area > 0).sum()), disable=not progress, unit="path", desc="cells")
-    for mine, row, place, mask in _tiles(paths, volumes, boxes):
-        count[mine] = np.bincount(row, minlength=len(mine))
-        first[mine] = total + np.cumsum(count[mine]) - count[mine]
+    for own, row, place, mask in _tiles(paths, volumes, boxes):
+        count[own] = np.bincount(row, minlength=len(own))
+        first[own] = total + np.cumsum(count[own]) - count[own]
         total += len(row)
         new = np.unique(mask[known[mask] == 0])
         known[new] = np.arange(len(new)) + sum(map(len, masks)) + 1
         masks.append(new)
         column.append(place.astype(np.min_scalar_type(largest)))
         code.append(_smallest(known[mask] - np.uint32(1)))
-        bar.update(len(mine))
+        bar.update(len(own))
     bar.close()
     return {
         "column_first": _smallest(first),
@@ -189,7 +167,7 @@ def _columns(
 
 
 def _tiles(
-    paths: Paths, volumes: PartVolumes, boxes: _Rectangles
+    paths: Paths, volumes: PartVolumes, boxes: Rectangles
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
     """Many paths at once: the paths, and of each non-empty column its row in them, place, bits."""
     rasters = _Rasters(
@@ -209,18 +187,18 @@ def _tiles(
         these = order[size[order] == area]
         tiles += np.split(these, np.arange(_WORDS // area, len(these), _WORDS // area))
 
-    def work(mine: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        area = int(size[mine[0]])
+    def work(own: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        area = int(size[own[0]])
         tile = _WORDS // area
         sure, maybe = _read(
             rasters,
-            pad_axis(boxes.place[mine], tile),
-            pad_axis(boxes.width[mine].astype(np.float32), tile),
-            pad_axis(boxes.area[mine].astype(np.float32), tile, value=0),
-            pad_axis(paths.part[mine].astype(np.int32), tile),
+            pad_axis(boxes.place[own], tile),
+            pad_axis(boxes.width[own].astype(np.float32), tile),
+            pad_axis(boxes.area[own].astype(np.float32), tile, value=0),
+            pad_axis(paths.part[own].astype(np.int32), tile),
             size=area,
         )
-        return mine, *_decide(paths, volumes, boxes, mine, np.asarray(sure), np.asarray(maybe))
+        return own, *_decide(paths, volumes, boxes, own, np.asarray(sure), np.asarray(maybe))
 
     with ThreadPoolExecutor(_THREADS) as pool:
         yield from pool.map(work, tiles)
@@ -259,8 +237,8 @@ def _read(
 def _decide(
     paths: Paths,
     volumes: PartVolumes,
-    boxes: _Rectangles,
-    mine: Int[np.ndarray, " T"],
+    boxes: Rectangles,
+    own: Int[np.ndarray, " T"],
     sure: UInt32[np.ndarray, "T1 C"],
     maybe: UInt32[np.ndarray, "T1 C"],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -274,7 +252,7 @@ def _decide(
     bits = np.unpackbits(open_[doubtful].view(np.uint8), bitorder="little")
     cell = np.flatnonzero(bits)
     which = doubtful[cell >> 5]
-    path = mine[row[which]]
+    path = own[row[which]]
     width = boxes.width[path]
     along = column[which] // width
     corner = np.stack([along, (cell & 31) + LOWEST, column[which] - along * width])

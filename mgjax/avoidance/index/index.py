@@ -15,34 +15,19 @@ same. A walk is stored as its first edge and the walk of the next node that cont
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, fields
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Int, UInt, UInt32
 
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.candidates.enumerate import Candidates
-from mgjax.avoidance.index.cells import COVERED, HEIGHTS, LOWEST, SPAN, touched_cells
-from mgjax.avoidance.index.swept_cells import SweptCells
-from mgjax.core.errors import FileFormatError
-from mgjax.graph.types import NO_EDGE, MotionGraph
-from mgjax.io.store import load_arrays, save_arrays
-
-FORMAT_VERSION = 1
-FILE_NAME = "grid_index.safetensors"
-__all__ = [
-    "GridIndex",
-    "cells_of",
-    "fingerprint",
-    "load_index",
-    "lookup",
-    "paths_per_cell",
-    "save_index",
-    "touched_cells",
-]
+from mgjax.avoidance.index.cells import HEIGHTS, LOWEST, SPAN
+from mgjax.avoidance.index.swept_cells import SweptCells, swept_cells
+from mgjax.graph.types import NO_EDGE
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,13 +84,13 @@ class GridIndex:
         return sum(a.nbytes for a in arrays if isinstance(a, np.ndarray))
 
     @cached_property
-    def leaps(self) -> list[UInt[np.ndarray, " P1"]]:
+    def skip_links(self) -> list[UInt[np.ndarray, " P1"]]:
         """The path after 1, 2, 4, … edges of a path, P where there is none; see ``follow``."""
-        leaps = [self.follow]
+        links = [self.follow]
         longest = int(self.length.max(initial=1))
-        while 1 << len(leaps) < longest:
-            leaps.append(leaps[-1][leaps[-1]])
-        return leaps
+        while 1 << len(links) < longest:
+            links.append(links[-1][links[-1]])
+        return links
 
     @cached_property
     def edge_or_none(self) -> Int[np.ndarray, " P1"]:
@@ -121,209 +106,81 @@ class GridIndex:
         )
         return x * SPAN + z
 
+    def in_time(self, node: int, t_attack: float, window: float) -> Int[np.ndarray, " C"] | None:
+        """All paths of a node with t_avoid in the window (eq. 1), in the order of an enumeration.
 
-_PLAIN = ("horizon", "half_frames", "fingerprint", "report")
+        None where the index cannot say: the window ends after the horizon, or after what there was
+        room for at this node.
+        """
+        low, high = t_attack - window / 2, t_attack + window / 2
+        if high > self.horizon or high * self.half_frames > self.node_limit.item(node) + 1:
+            return None
+        first, stop = self.node_first[node], self.node_first[node + 1]
+        time = self.time[first:stop] / self.half_frames
+        return ((time > low) & (time < high)).nonzero()[0] + first
 
+    def touched(
+        self, paths: Int[np.ndarray, " C"], attack: Attack, crop: Crop
+    ) -> Bool[np.ndarray, " C"] | None:
+        """Which paths of a node have a cell that a cropped attack passes through (§5.1).
 
-def lookup(
-    index: GridIndex,
-    node: int,
-    cells: SweptCells | Int[np.ndarray, "M 3"] | None,
-    t_attack: float,
-    window: float,
-) -> Candidates | None:
-    """The paths of a node that touch one of the cells, with t_avoid in the window (eq. 1).
+        The attack is in the node's planar frame. None where it leaves the space that is covered.
+        """
+        cells = swept_cells(attack, crop)
+        return None if cells is None else self.touched_by(paths, cells)
 
-    Args:
-        index: of the graph.
-        node: where the walks begin.
-        cells: in the node's planar frame, see
-            :func:`~mgjax.avoidance.index.swept_cells.swept_cells` and :func:`touched_cells`.
-        t_attack: s from the beginning of the walk.
-        window: T, s.
-
-    Returns:
-        The candidates in the order of
-        :func:`~mgjax.avoidance.candidates.enumerate.enumerate_candidates`, perhaps none; or None
-        where the index cannot say: the window ends after the horizon or after what there was room
-        for at this node, or a cell lies outside the space that is covered.
-    """
-    if cells is None or (isinstance(cells, np.ndarray) and _outside(cells)):
-        return None
-    paths = paths_in_time(index, node, t_attack, window)
-    return None if paths is None else walks_of(index, paths[touched_paths(index, paths, cells)])
-
-
-def paths_in_time(
-    index: GridIndex, node: int, t_attack: float, window: float
-) -> Int[np.ndarray, " C"] | None:
-    """All paths of a node with t_avoid in the window (eq. 1); None where the index cannot say."""
-    low, high = t_attack - window / 2, t_attack + window / 2
-    if high > index.horizon or high * index.half_frames > index.node_limit.item(node) + 1:
-        return None
-    first, stop = index.node_first[node], index.node_first[node + 1]
-    time = index.time[first:stop] / index.half_frames
-    return ((time > low) & (time < high)).nonzero()[0] + first
-
-
-def touched_paths(
-    index: GridIndex, paths: Int[np.ndarray, " C"], cells: SweptCells | Int[np.ndarray, "M 3"]
-) -> Bool[np.ndarray, " C"]:
-    """Which paths of a node have a cell that is touched."""
-    if not paths.size:
-        return np.zeros(0, bool)
-    touched = np.zeros(len(paths), bool)
-    if isinstance(cells, np.ndarray):
-        rows, columns, masks = _columns(index, paths)
-        touched[rows[(_image(cells)[columns] & masks) != 0]] = True
+    def touched_by(self, paths: Int[np.ndarray, " C"], cells: SweptCells) -> Bool[np.ndarray, " C"]:
+        """Which paths of a node have one of the cells, which are in the node's planar frame."""
+        if not paths.size:
+            return np.zeros(0, bool)
+        touched = np.zeros(len(paths), bool)
+        rows, columns, masks = self.columns(paths, cells.first)
+        touched[rows[(cells.sure.take(columns, mode="clip") & masks).nonzero()[0]]] = True
+        if touched.all():
+            return touched
+        masks &= cells.perhaps().take(columns, mode="clip")
+        masks[touched[rows]] = 0
+        open_ = masks.nonzero()[0]
+        if open_.size:
+            which, doubtful = column_cells(columns[open_] + cells.first, masks[open_])
+            touched[rows[open_[which[cells.touches(doubtful)]]]] = True
         return touched
-    rows, columns, masks = _columns(index, paths, cells.first)
-    touched[rows[(cells.sure.take(columns, mode="clip") & masks).nonzero()[0]]] = True
-    if touched.all():
-        return touched
-    masks &= cells.perhaps().take(columns, mode="clip")
-    masks[touched[rows]] = 0
-    open_ = masks.nonzero()[0]
-    if open_.size:
-        which, some = _cells(columns[open_] + cells.first, masks[open_])
-        touched[rows[open_[which[cells.touches(some)]]]] = True
-    return touched
+
+    def walks(self, paths: Int[np.ndarray, " C"]) -> Candidates:
+        """The edges of paths, as candidates."""
+        length = self.length[paths].astype(np.int64)
+        part = self.part[paths].astype(np.int64)
+        rows = np.empty((int(length.max(initial=1)), len(paths)), np.int64)
+        rows[0], known = paths, 1
+        for link in self.skip_links:
+            if known == len(rows):
+                break
+            more = min(known, len(rows) - known)
+            rows[known : known + more] = link[rows[:more]]
+            known += more
+        edges = self.edge_or_none.take(rows.T)
+        return Candidates(edges=edges, length=length, part=part, overflow=0)
+
+    def columns(
+        self, paths: Int[np.ndarray, " C"], lowest: int = 0
+    ) -> tuple[Int[np.ndarray, " X"], Int[np.ndarray, " X"], UInt32[np.ndarray, " X"]]:
+        """All columns of paths: the row of the path, the number less ``lowest``, the bits."""
+        count = self.column_count[paths].astype(np.int64)
+        rows = np.arange(len(paths)).repeat(count)
+        first = self.column_first[paths] - (count.cumsum() - count)
+        at = np.arange(len(rows)) + first[rows]
+        table = self.width[paths] * np.int64(self.places.shape[1])
+        columns = self.places.take(table[rows] + self.column[at])
+        columns += (self.origin[paths] - np.int64(lowest))[rows]
+        return rows, columns, self.masks[self.code[at]]
 
 
-def _outside(cells: Int[np.ndarray, "M 3"]) -> bool:
-    """Whether a cell lies outside the space that is covered."""
-    return bool((cells < COVERED[0]).any() or (cells >= COVERED[1]).any())
-
-
-def _image(cells: Int[np.ndarray, "M 3"]) -> UInt32[np.ndarray, " S"]:
-    """Bits of the cells of every column."""
-    image = np.zeros(SPAN * SPAN, np.uint32)
-    column = (cells[:, 0] + SPAN // 2) * SPAN + cells[:, 2] + SPAN // 2
-    np.bitwise_or.at(image, column, np.uint32(1) << (cells[:, 1] - LOWEST).astype(np.uint32))
-    return image
-
-
-def _columns(
-    index: GridIndex, paths: Int[np.ndarray, " C"], lowest: int = 0
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All columns of paths: the row of the path, the number less ``lowest``, the bits."""
-    count = index.column_count[paths].astype(np.int64)
-    rows = np.arange(len(paths)).repeat(count)
-    first = index.column_first[paths] - (count.cumsum() - count)
-    at = np.arange(len(rows)) + first[rows]
-    table = index.width[paths] * np.int64(index.places.shape[1])
-    columns = index.places.take(table[rows] + index.column[at])
-    columns += (index.origin[paths] - np.int64(lowest))[rows]
-    return rows, columns, index.masks[index.code[at]]
-
-
-def _cells(
+def column_cells(
     columns: Int[np.ndarray, " X"], masks: UInt32[np.ndarray, " X"]
 ) -> tuple[Int[np.ndarray, " M"], Int[np.ndarray, "M 3"]]:
-    """The cells of columns, and which of these each one is from."""
+    """The cells of columns given by number and bits, and which of these each one is from."""
     which, bit = np.nonzero((masks[:, None] >> np.arange(HEIGHTS, dtype=np.uint32)) & 1)
     columns = columns[which]
     x = columns // SPAN
     z = columns - x * SPAN
     return which, np.stack([x - SPAN // 2, bit + LOWEST, z - SPAN // 2], axis=1)
-
-
-def walks_of(index: GridIndex, paths: Int[np.ndarray, " C"]) -> Candidates:
-    """The paths as walks."""
-    length = index.length[paths].astype(np.int64)
-    part = index.part[paths].astype(np.int64)
-    rows = np.empty((int(length.max(initial=1)), len(paths)), np.int64)
-    rows[0], known = paths, 1
-    for leap in index.leaps:
-        if known == len(rows):
-            break
-        more = min(known, len(rows) - known)
-        rows[known : known + more] = leap[rows[:more]]
-        known += more
-    edges = index.edge_or_none.take(rows.T)
-    return Candidates(edges=edges, length=length, part=part, overflow=0)
-
-
-def cells_of(index: GridIndex, path: int) -> Int[np.ndarray, "M 3"]:
-    """The cells of one path, in its node's planar frame, in ascending order."""
-    _, columns, masks = _columns(index, np.array([path]))
-    cells = _cells(columns, masks)[1]
-    return cells[np.lexsort(cells.T[::-1])]
-
-
-def paths_per_cell(index: GridIndex, node: int) -> Int[np.ndarray, " M"]:
-    """How many paths touch each non-empty cell of a node."""
-    paths = np.arange(index.node_first[node], index.node_first[node + 1])
-    _, columns, masks = _columns(index, paths)
-    counts = [
-        np.bincount(columns[(masks >> np.uint32(bit)) & 1 == 1], minlength=1)
-        for bit in range(HEIGHTS)
-    ]
-    return np.concatenate([c[c > 0] for c in counts])
-
-
-def fingerprint(graph: MotionGraph) -> str:
-    """A hash of everything of a graph that its index depends on."""
-    digest = hashlib.blake2b(digest_size=16)
-    digest.update(repr((graph.frame_rate, graph.skeleton.names, graph.skeleton.parents)).encode())
-    digest.update(np.asarray(graph.skeleton.offsets).tobytes())
-    for field in fields(graph):
-        value = getattr(graph, field.name)
-        if isinstance(value, np.ndarray):
-            digest.update(f"{field.name} {value.dtype} {value.shape}".encode())
-            digest.update(np.ascontiguousarray(value).tobytes())
-    return digest.hexdigest()
-
-
-def save_index(path: str | Path, index: GridIndex) -> None:
-    """Writes the index into the folder of its graph."""
-    arrays = {f.name: getattr(index, f.name) for f in fields(index) if f.name not in _PLAIN}
-    metadata = {name: getattr(index, name) for name in _PLAIN}
-    metadata["format_version"] = FORMAT_VERSION
-    save_arrays(Path(path) / FILE_NAME, arrays, metadata)
-
-
-def load_index(path: str | Path, graph: MotionGraph) -> GridIndex:
-    """Reads the index of a graph from its folder.
-
-    Raises:
-        FileFormatError: there is none, it is damaged, or it belongs to another graph.
-    """
-    file = Path(path) / FILE_NAME
-    arrays, metadata = load_arrays(file, "grid index")
-    version = metadata.get("format_version")
-    if version != FORMAT_VERSION:
-        raise FileFormatError(
-            file, None, f"format {version}", f"format {FORMAT_VERSION}; build anew"
-        )
-    if metadata.get("fingerprint") != fingerprint(graph):
-        raise FileFormatError(
-            file, None, "the index of another graph", "this graph's; build it anew"
-        )
-    names = {f.name for f in fields(GridIndex)} - set(_PLAIN)
-    if set(arrays) != names or not set(_PLAIN) <= set(metadata):
-        raise FileFormatError(file, None, "an incomplete index", "a whole one; build it anew")
-    if not _is_sound(arrays, graph):
-        raise FileFormatError(file, None, "arrays that do not fit", "a whole index; build it anew")
-    return GridIndex(**arrays, **{name: metadata[name] for name in _PLAIN})
-
-
-def _is_sound(arrays: dict[str, np.ndarray], graph: MotionGraph) -> bool:
-    """Whether all arrays of an index fit one another and point at something."""
-    paths, columns = arrays["edge"].size, arrays["code"].size
-    sizes = dict.fromkeys(set(arrays), paths) | {"follow": paths + 1, "column": columns}
-    sizes |= {"code": columns, "node_first": graph.num_nodes + 1, "node_limit": graph.num_nodes}
-    sizes["masks"] = arrays["masks"].size
-    if any(array.shape != (sizes[name],) for name, array in arrays.items()):
-        return False
-    first = arrays["node_first"]
-    below = (
-        (arrays["edge"], graph.num_edges),
-        (arrays["part"], len(graph.label_edge)),
-        (arrays["follow"], paths + 1),
-        (arrays["code"], sizes["masks"]),
-        (arrays["column_first"] + arrays["column_count"].astype(np.int64), columns + 1),
-    )
-    ordered = first[0] == 0 and first[-1] == paths and (np.diff(first) >= 0).all()
-    whole = all(not a.size or int(a.max()) < limit for a, limit in below)
-    return bool(ordered and whole and (arrays["width"] > 0).all())

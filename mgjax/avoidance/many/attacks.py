@@ -1,4 +1,4 @@
-"""Many attacks at once, for coverage, sweeps and tables: the same answers as one by one."""
+"""Many attacks at once, for coverage, sweeps and tables, answered as they would be one by one."""
 
 from __future__ import annotations
 
@@ -13,37 +13,34 @@ from jaxtyping import Float, Int
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.batch import Shots, make_shot
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
-from mgjax.avoidance.body.poses import body_of
 from mgjax.avoidance.candidates.batch import LENGTH, empty_walks, pad_candidates
 from mgjax.avoidance.candidates.enumerate import (
     Candidates,
     enumerate_candidates,
     natural_times,
 )
+from mgjax.avoidance.choice.decision import decide
+from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.search import (
     DEPTH,
     HOPELESS_M,
-    SCORES,
     STATUS,
-    Found,
-    Task,
+    Query,
+    SearchInput,
+    SearchResult,
     is_long,
     search_many,
 )
 from mgjax.avoidance.choice.start import validate_start
-from mgjax.avoidance.choice.verify import settle
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.avoidance.energy.score import ROWS
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import ConfigError
 from mgjax.core.xla.padding import bucket_size
 from mgjax.graph.types import MotionGraph
 
-STATUSES = ("avoided", "hit", "no_candidate")
-"""Statuses of :class:`BatchSelection`, by number."""
-
-AVOIDED, HIT, NO_CANDIDATE = 0, 1, 2
 NO_PART = -1
 
 TOGETHER = 2048
@@ -63,7 +60,7 @@ class BatchSelection:
     """The answers to many attacks, in the order they were asked.
 
     Attributes:
-        status: ``AVOIDED``, ``HIT`` or ``NO_CANDIDATE``. [B]
+        status: number of a :class:`~mgjax.avoidance.choice.results.Status`. [B]
         part: the avoidance part that was chosen, or ``NO_PART``. [B]
         candidates: how many satisfy eq. 1. [B]
         time_scale, clearance, energy, d: of the chosen walk; NaN without one. [B]
@@ -81,19 +78,16 @@ class BatchSelection:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Question:
-    """One attack that has candidates."""
+class _Asked:
+    """One of many attacks, number ``number`` of them, that has candidates."""
 
     number: int
-    node: int
-    attack: Attack
-    crop: Crop
-    candidates: Candidates
+    query: Query
     shots: Shots
 
 
 def select_batch(
-    graph: MotionGraph,
+    graph: MotionGraph | Prepared,
     nodes: Sequence[int] | Int[np.ndarray, " B"],
     attacks: Sequence[Attack],
     *,
@@ -106,7 +100,8 @@ def select_batch(
     enumerated once per node, for the widest window that any of its attacks needs.
 
     Args:
-        graph: a motion graph with labelled avoidance parts.
+        graph: a motion graph with labelled avoidance parts, or what
+            :func:`~mgjax.avoidance.prepared.prepare` made of one.
         nodes: where the character stands, one for each attack.
         attacks: each in the planar frame of its node.
         config: settings.
@@ -122,40 +117,40 @@ def select_batch(
     places = np.asarray(nodes, dtype=np.int64)
     if places.shape != (len(attacks),):
         raise ConfigError(f"got {places.size} nodes for {len(attacks)} attacks, expected one each")
-    tables, _ = search_tables(graph, config.body_rate, config.speed)
+    prepared = prepared_for(graph, config)
     for node, attack in zip(places, attacks, strict=True):
-        validate_start(graph, tables, int(node), attack)
+        validate_start(prepared, int(node), attack)
     answers = _no_answers(len(attacks))
-    asked: deque[tuple[list[_Question], Found]] = deque()
-    doubtful: list[tuple[_Question, Found]] = []
-    for group in _groups(_questions(graph, places, attacks, answers, config)):
-        asked.append((group, _search(graph, group, config)))
-        if len(asked) > AHEAD:  # the others are computed while this one is looked at
-            doubtful += _decide(*asked.popleft(), answers, config)
-    for group, found in asked:
-        doubtful += _decide(group, found, answers, config)
-    for question, found in doubtful:  # last, since each waits for what is under way
-        _settle(graph, question, found, answers, config)
+    under_way: deque[tuple[list[_Asked], SearchResult]] = deque()
+    doubtful: list[tuple[_Asked, SearchResult]] = []
+    for group in _groups(_all_asked(prepared, places, attacks, answers, config)):
+        under_way.append((group, _search(prepared, group, config)))
+        if len(under_way) > AHEAD:  # the others are computed while this one is looked at
+            doubtful += _decide_by_bounds(*under_way.popleft(), answers, config)
+    for group, result in under_way:
+        doubtful += _decide_by_bounds(group, result, answers, config)
+    for asked, result in doubtful:  # last, since each waits for what is under way
+        _look_closer(prepared, asked, result, answers, config)
     return BatchSelection(**answers)
 
 
 def _no_answers(count: int) -> dict[str, np.ndarray]:
     answers = {f.name: np.full(count, np.nan) for f in fields(BatchSelection)}
-    answers["status"] = np.full(count, NO_CANDIDATE)
+    answers["status"] = np.full(count, Status.NO_CANDIDATE.code)
     answers["part"] = np.full(count, NO_PART)
     answers["candidates"] = np.zeros(count, dtype=np.int64)
     return answers
 
 
-def _questions(
-    graph: MotionGraph,
+def _all_asked(
+    prepared: Prepared,
     nodes: Int[np.ndarray, " B"],
     attacks: Sequence[Attack],
     answers: dict[str, np.ndarray],
     config: AvoidanceConfig,
-) -> Iterator[_Question]:
+) -> Iterator[_Asked]:
     """The attacks that have candidates; those of one node are enumerated together."""
-    tables, _ = search_tables(graph, config.body_rate, config.speed)
+    graph, tables, reach = prepared.graph, prepared.tables, prepared.posed.reach
     crops: dict[int, Crop] = {}
     for i, attack in enumerate(attacks):
         crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
@@ -176,28 +171,26 @@ def _questions(
         )
         times = natural_times(tables, wide)
         for i, middle in zip(here, middles, strict=True):
-            some = _within(wide, times, middle, config)
-            answers["candidates"][i] = len(some.length) + some.overflow
-            if len(some.length):
-                attack, crop = attacks[i], crops[i]
-                long = is_long(some, attack)
-                shots = make_shot(attack, crop, config, body_of(graph)[1], long=long)
-                yield _Question(
-                    number=i, node=int(node), attack=attack, crop=crop, candidates=some, shots=shots
-                )
+            subset = _within(wide, times, middle, config)
+            answers["candidates"][i] = len(subset.length) + subset.overflow
+            if len(subset.length):
+                query = Query(node=int(node), attack=attacks[i], crop=crops[i], candidates=subset)
+                long = is_long(subset, query.attack)
+                shots = make_shot(query.attack, query.crop, config, reach, long=long)
+                yield _Asked(number=i, query=query, shots=shots)
 
 
-def _groups(questions: Iterator[_Question]) -> Iterator[list[_Question]]:
-    """Questions that are answered in one call: of equal shapes, as many as have room."""
-    waiting: dict[tuple, tuple[list[_Question], int]] = {}
-    for question in questions:
-        count = len(question.candidates.length)
-        shape = question.shots.frames.shape
+def _groups(all_asked: Iterator[_Asked]) -> Iterator[list[_Asked]]:
+    """Attacks that are answered in one call: of equal shapes, as many as have room."""
+    waiting: dict[tuple, tuple[list[_Asked], int]] = {}
+    for asked in all_asked:
+        count = len(asked.query.candidates.length)
+        shape = asked.shots.frames.shape
         group, together = waiting.get(shape, ([], 0))
         if group and (len(group) == MOST or together + count > TOGETHER):
             yield group
             group, together = [], 0
-        waiting[shape] = [*group, question], together + count
+        waiting[shape] = [*group, asked], together + count
     yield from (group for group, _ in waiting.values())
 
 
@@ -219,110 +212,109 @@ def _within(
     )
 
 
-def _firsts(questions: list[_Question]) -> Int[np.ndarray, " A1"]:
-    """Where the candidates of each question begin and, last, where they end."""
-    counts = [len(question.candidates.length) for question in questions]
+def _firsts(group: list[_Asked]) -> Int[np.ndarray, " A1"]:
+    """Where the candidates of each attack begin and, last, where they end."""
+    counts = [len(asked.query.candidates.length) for asked in group]
     return np.concatenate([[0], np.cumsum(counts)])
 
 
-def _search(graph: MotionGraph, questions: list[_Question], config: AvoidanceConfig) -> Found:
-    _, device = search_tables(graph, config.body_rate, config.speed)
-    firsts = _firsts(questions)
+def _search(prepared: Prepared, group: list[_Asked], config: AvoidanceConfig) -> SearchResult:
+    firsts = _firsts(group)
     size = bucket_size(int(firsts[-1]), TOGETHER, 4)
-    long = is_long(questions[-1].candidates, questions[-1].attack)
-    longest = max(question.candidates.edges.shape[1] for question in questions)
+    long = is_long(group[-1].query.candidates, group[-1].query.attack)
+    longest = max(asked.query.candidates.edges.shape[1] for asked in group)
     longest = max(longest, LENGTH + 1 if long else 0)
     walks = empty_walks(bucket_size(longest, LENGTH, 4), size, shared=False)
     table = walks.table
     table[-1] = MOST - 1
     first = np.full(MOST, size - 1, np.int32)
-    first[: len(questions)] = firsts[:-1]
-    for number, (question, begin) in enumerate(zip(questions, firsts, strict=False)):
-        some = question.candidates
-        rows = slice(begin, begin + len(some.length))
-        table[: some.edges.shape[1], rows] = some.edges.T
-        table[-3, rows], table[-2, rows], table[-1, rows] = some.length, some.part, number
-    filled = [question.shots for question in questions]
+    first[: len(group)] = firsts[:-1]
+    for number, (asked, begin) in enumerate(zip(group, firsts, strict=False)):
+        own = asked.query.candidates
+        rows = slice(begin, begin + len(own.length))
+        table[: own.edges.shape[1], rows] = own.edges.T
+        table[-3, rows], table[-2, rows], table[-1, rows] = own.length, own.part, number
+    filled = [asked.shots for asked in group]
     filled += [filled[-1]] * (MOST - len(filled))
     return search_many(
-        device,
+        prepared.device,
         walks,
         jax.tree.map(lambda *x: np.concatenate(x), *filled),
         first,
         config.energy,
-        frame_rate=graph.frame_rate,
+        frame_rate=prepared.graph.frame_rate,
         limit_scale=config.limit_scale,
     )
 
 
-def _decide(
-    questions: list[_Question],
-    found: Found,
+def _decide_by_bounds(
+    group: list[_Asked],
+    result: SearchResult,
     answers: dict[str, np.ndarray],
     config: AvoidanceConfig,
-) -> list[tuple[_Question, Found]]:
+) -> list[tuple[_Asked, SearchResult]]:
     """Where the bounds of the first candidate leave no doubt that is the answer; the rest."""
-    found = jax.tree.map(np.asarray, found)
-    firsts = _firsts(questions)
-    starts, count = firsts[:-1], len(questions)
-    fit = found.scores[STATUS, : firsts[-1]] == OK
-    hope = fit & (found.scores[DEPTH, : firsts[-1]] >= -HOPELESS_M)
+    result = jax.tree.map(np.asarray, result)
+    firsts = _firsts(group)
+    starts, count = firsts[:-1], len(group)
+    fit = result.table[STATUS, : firsts[-1]] == OK
+    hope = fit & (result.table[DEPTH, : firsts[-1]] >= -HOPELESS_M)
     usable, hopeful = (np.add.reduceat(x.astype(np.int64), starts) for x in (fit, hope))
     hopeful = np.minimum(np.maximum(hopeful, 1), config.checks)
-    bounds = jax.tree.map(lambda x: x[:count], found.bounds)
-    avoided = (usable > 0) & (bounds.least >= CLEAR_M)
-    hit = (usable > 0) & (hopeful == 1) & (bounds.touched_from < bounds.path_end)
-    chosen = found.order[starts]
-    scores = dict(zip(SCORES, found.scores[:STATUS, chosen], strict=True))
-    settled = {
-        "status": np.where(avoided, AVOIDED, HIT),
-        "time_scale": scores["s_time"],
+    bounds = jax.tree.map(lambda x: x[:count], result.bounds)
+    avoided = (usable > 0) & (bounds.lower_bound >= CLEAR_M)
+    hit = (usable > 0) & (hopeful == 1) & (bounds.contact_from < bounds.path_end)
+    chosen = result.order[starts]
+    values = dict(zip(ROWS, result.table[:STATUS, chosen], strict=True))
+    decided = {
+        "status": np.where(avoided, Status.AVOIDED.code, Status.HIT.code),
+        "time_scale": values["s_time"],
         "clearance": np.asarray(bounds.clearance),
-        "energy": scores["total"],
-        "d": scores["d"],
+        "energy": values["total"],
+        "d": values["d"],
     }
     rest = []
-    for row, question in enumerate(questions):
+    for row, asked in enumerate(group):
         if not usable[row]:
             continue
         if not avoided[row] and not hit[row]:
-            rest.append((question, _alone(found, firsts, row)))
+            rest.append((asked, _alone(result, firsts, row)))
             continue
-        for name, values in settled.items():
-            answers[name][question.number] = values[row]
-        part = question.candidates.part[chosen[row] - starts[row]]
-        answers["part"][question.number] = part
+        for name, column in decided.items():
+            answers[name][asked.number] = column[row]
+        part = asked.query.candidates.part[chosen[row] - starts[row]]
+        answers["part"][asked.number] = part
     return rest
 
 
-def _alone(found: Found, firsts: Int[np.ndarray, " A1"], row: int) -> Found:
+def _alone(result: SearchResult, firsts: Int[np.ndarray, " A1"], row: int) -> SearchResult:
     """What was found for one of several attacks."""
     begin, end = firsts[row], firsts[row + 1]
-    return Found(
-        scores=found.scores[:, begin:end],
-        scales=found.scales[:, begin:end],
-        order=found.order[begin:end] - begin,
-        bounds=jax.tree.map(lambda x: x[row : row + 1], found.bounds),
+    return SearchResult(
+        table=result.table[:, begin:end],
+        scales=result.scales[:, begin:end],
+        order=result.order[begin:end] - begin,
+        bounds=jax.tree.map(lambda x: x[row : row + 1], result.bounds),
     )
 
 
-def _settle(
-    graph: MotionGraph,
-    question: _Question,
-    found: Found,
+def _look_closer(
+    prepared: Prepared,
+    asked: _Asked,
+    result: SearchResult,
     answers: dict[str, np.ndarray],
     config: AvoidanceConfig,
 ) -> None:
-    """One attack by looking closer."""
-    q = question
-    walks = pad_candidates(q.candidates, long=is_long(q.candidates, q.attack))
-    task = Task(walks=walks, shots=q.shots)
-    found = replace(found, scales=found.scales[: len(walks.edges)])  # padded for the whole group
-    choice = settle(graph, q.node, q.attack, q.crop, q.candidates, task, found, config).choice
+    """Decides on one attack alone, with the exact check where bounds leave a doubt."""
+    query = asked.query
+    walks = pad_candidates(query.candidates, long=is_long(query.candidates, query.attack))
+    given = SearchInput(walks=walks, shots=asked.shots)
+    result = replace(result, scales=result.scales[: len(walks.edges)])  # padded for the group
+    choice = decide(prepared, query, given, result, config).choice
     assert choice is not None
     assert choice.energy is not None
     values = {
-        "status": STATUSES.index(choice.status),
+        "status": choice.status.code,
         "part": choice.part,
         "time_scale": choice.time_scale,
         "clearance": choice.clearance_m,
@@ -330,4 +322,4 @@ def _settle(
         "d": choice.energy.d,
     }
     for name, value in values.items():
-        answers[name][q.number] = value
+        answers[name][asked.number] = value

@@ -1,4 +1,4 @@
-"""One attack whose candidates are judged once, with verdicts that are found as they are needed."""
+"""One attack whose candidates are judged once; what is certain of them is found as it is needed."""
 
 from __future__ import annotations
 
@@ -9,55 +9,49 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.crop import Crop
-from mgjax.avoidance.body.device_tables import search_tables
-from mgjax.avoidance.body.poses import body_of
-from mgjax.avoidance.candidates.enumerate import Candidates
-from mgjax.avoidance.checks.bounds import MORE_LANES, Bounds
-from mgjax.avoidance.choice.search import HOPELESS_M, STATUS, Found, Task, bound, make_task
-from mgjax.avoidance.choice.verify import settle
+from mgjax.avoidance.choice.search import HOPELESS_M, Query, SearchInput, search_input
+from mgjax.avoidance.choice.verify import Bounded, bounded, bounds_of, verify
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
-from mgjax.avoidance.energy.score import Judged, judge_all
-from mgjax.avoidance.many.reweight import CLEAR, TOUCHED, UNKNOWN, Picked, pick_each
+from mgjax.avoidance.energy.evaluate import Judged, judge_all
+from mgjax.avoidance.many.reweight import Certainty, Picked, pick_each
+from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import CLEAR_M
-from mgjax.avoidance.timing.time_scale import OK, PADDING
-from mgjax.graph.types import MotionGraph
+from mgjax.avoidance.timing.time_scale import OK
 
 _judge = jax.jit(judge_all, static_argnames=("half_frame", "limit_scale"))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Question:
-    """One attack whose candidates are judged; verdicts are filled in as needed.
+class ScoredAttack:
+    """One attack whose candidates are judged; what is certain of them is filled in as needed.
 
     Attributes:
+        prepared: of the graph.
+        query: the attack and its candidates.
+        given: both as compiled code reads them.
         config: its energies do not matter.
         judged: without a limit on the time scale.
-        verdict: ``CLEAR``, ``TOUCHED`` or ``UNKNOWN``. [C]
+        certainty: see :class:`~mgjax.avoidance.many.reweight.Certainty`. [C]
         clearance: by the exact check, m; −∞ where nothing is known. [C]
-        bounded: candidates that have been bounded. [C]
-        doubts: the bounds of those that they leave in doubt, by number.
+        has_bounds: candidates of which bounds were found. [C]
+        doubts: candidates that their bounds leave in doubt, by number.
     """
 
-    graph: MotionGraph
-    node: int
-    attack: Attack
-    crop: Crop
-    candidates: Candidates
+    prepared: Prepared
+    query: Query
+    given: SearchInput
     config: AvoidanceConfig
-    task: Task
     judged: Judged
-    verdict: Int[np.ndarray, " C"]
+    certainty: Int[np.ndarray, " C"]
     clearance: Float[np.ndarray, " C"]
-    bounded: Bool[np.ndarray, " C"]
-    doubts: dict[int, Bounds]
+    has_bounds: Bool[np.ndarray, " C"]
+    doubts: dict[int, Bounded]
 
     def pick(self, grid: EnergyConfig) -> Picked:
         """What each setting picks by what is known so far."""
         picked = pick_each(
             self.judged,
-            self.verdict,
+            self.certainty,
             self.clearance,
             grid,
             limit_scale=self.config.limit_scale,
@@ -66,101 +60,66 @@ class Question:
         return jax.tree.map(np.asarray, picked)
 
     def look_closer(self, numbers: Int[np.ndarray, " K"]) -> None:
-        """Finds the verdicts on some candidates: by bounds, and where these leave a doubt by
-        looking at the written motion."""
-        self.bound(numbers[~self.bounded[numbers]])
-        for number in numbers[self.verdict[numbers] == UNKNOWN].tolist():
-            self._settle(number)
+        """Makes sure of some candidates: by bounds, and where these leave a doubt by looking at the
+        written motion."""
+        self.bound(numbers[~self.has_bounds[numbers]])
+        for number in numbers[self.certainty[numbers] == Certainty.UNKNOWN].tolist():
+            doubt = self.doubts.pop(number)
+            verdict = verify(self.prepared, self.query.attack, doubt, self.config)
+            self.certainty[number] = Certainty.CLEAR if verdict.clear else Certainty.TOUCHED
+            self.clearance[number] = verdict.played.clearance
 
     def bound(self, numbers: Int[np.ndarray, " K"]) -> None:
-        """Finds bounds on the clearance of some candidates, and the verdicts they are sure of."""
-        _, device = search_tables(self.graph, self.config.body_rate, self.config.speed)
+        """Finds bounds on the clearance of some candidates, and what they make certain."""
         scales = np.asarray(self.judged.timing.scales)
-        for first in range(0, len(numbers), MORE_LANES):
-            some = numbers[first : first + MORE_LANES]
-            rows = np.resize(some, MORE_LANES)  # repeats fill the lanes
-            found = bound(
-                device,
-                self.task.walks.rows(rows),
-                scales[:, rows],
-                self.task.shots,
-                frame_rate=self.graph.frame_rate,
-            )
-            found = jax.tree.map(lambda x, some=some: np.asarray(x)[: len(some)], found)
-            clear = found.least >= CLEAR_M
-            touched = ~clear & (found.touched_from < found.path_end)
-            self.verdict[some] = np.where(clear, CLEAR, np.where(touched, TOUCHED, UNKNOWN))
-            self.clearance[some] = found.clearance
-            self.bounded[some] = True
-            for lane in np.flatnonzero(self.verdict[some] == UNKNOWN):
-                self.doubts[int(some[lane])] = jax.tree.map(lambda x, i=lane: x[i : i + 1], found)
-
-    def _settle(self, number: int) -> None:
-        """The verdict on one candidate, by a search that has no other."""
-        scores = np.full((STATUS + 1, len(self.task.walks.length)), PADDING, np.float32)
-        scores[STATUS, number] = OK
-        alone = Found(
-            scores=scores,
-            scales=self.judged.timing.scales,
-            order=np.array([number], np.int32),
-            bounds=self.doubts.pop(number),
-        )
-        choice = settle(
-            self.graph,
-            self.node,
-            self.attack,
-            self.crop,
-            self.candidates,
-            self.task,
-            alone,
-            self.config,
-        ).choice
-        assert choice is not None
-        self.verdict[number] = CLEAR if choice.status == "avoided" else TOUCHED
-        self.clearance[number] = choice.clearance_m
+        for subset, bounds in bounds_of(self.prepared, numbers, self.given, scales):
+            for candidate in bounded(subset, bounds, self.given):
+                number = candidate.number
+                if candidate.lower_bound >= CLEAR_M:
+                    self.certainty[number] = Certainty.CLEAR
+                elif candidate.surely_touched:
+                    self.certainty[number] = Certainty.TOUCHED
+                else:
+                    self.doubts[number] = candidate
+                self.clearance[number] = candidate.clearance
+                self.has_bounds[number] = True
 
 
-def ask(
-    graph: MotionGraph,
-    node: int,
-    attack: Attack,
-    crop: Crop,
-    candidates: Candidates,
+def score_attack(
+    prepared: Prepared,
+    query: Query,
     config: AvoidanceConfig,
     form: Literal["paper", "overlap"],
     E_time: float,
-) -> Question:
+) -> ScoredAttack:
     """Judges all candidates without a limit on their time scale, and bounds the hopeful ones.
 
     Args:
-        graph, node, attack, crop, candidates: the question.
+        prepared: of the graph.
+        query: the attack and its candidates.
         config: its energies do not matter.
         form: of the energies.
         E_time: the largest of the settings that will be asked about.
     """
-    _, device = search_tables(graph, config.body_rate, config.speed)
-    task = make_task(candidates, attack, crop, config, body_of(graph)[1])
+    given = search_input(query, config, prepared.posed.reach)
     judged = _judge(
-        device,
-        task.walks,
-        task.shots,
+        prepared.device,
+        given.walks,
+        given.shots,
         EnergyConfig(form=form),
-        half_frame=0.5 / graph.frame_rate,
+        half_frame=0.5 / prepared.graph.frame_rate,
         limit_scale=False,
     )
-    count = len(task.walks.length)
-    question = Question(
-        graph=graph,
-        node=node,
-        attack=attack,
-        crop=crop,
-        candidates=candidates,
+    count = len(given.walks.length)
+    scored = ScoredAttack(
+        prepared=prepared,
+        query=query,
+        given=given,
         config=config,
-        task=task,
         judged=judged,
-        verdict=np.full(count, UNKNOWN, np.int32),
+        certainty=np.full(count, Certainty.UNKNOWN, np.int32),
         clearance=np.full(count, -np.inf, np.float32),
-        bounded=np.zeros(count, bool),
+        has_bounds=np.zeros(count, bool),
         doubts={},
     )
     usable = np.asarray(judged.timing.status) == OK
@@ -168,5 +127,5 @@ def ask(
         limit = 1.001 * E_time
         s = np.asarray(judged.timing.s_time)
         usable &= (s <= limit) & (s * limit >= 1)
-    question.bound(np.flatnonzero(usable & (np.asarray(judged.energies.d) >= -HOPELESS_M)))
-    return question
+    scored.bound(np.flatnonzero(usable & (np.asarray(judged.measures.d) >= -HOPELESS_M)))
+    return scored

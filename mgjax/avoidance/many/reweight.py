@@ -8,6 +8,7 @@ that ranks the same candidates again, exactly as a search with these settings wo
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from enum import IntEnum
 from functools import partial
 
 import jax
@@ -16,22 +17,22 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.choice.search import HOPELESS_M
 from mgjax.avoidance.config import EnergyConfig
-from mgjax.avoidance.energy.energies import (
-    avoidance_energy,
-    body_energy,
-    time_scale_energy,
-    total_energy,
-)
-from mgjax.avoidance.energy.score import Judged, ranking
+from mgjax.avoidance.energy.evaluate import Judged, ranking
+from mgjax.avoidance.energy.score import Scores, score
 from mgjax.avoidance.timing.time_scale import OK, OUT_OF_RANGE
 from mgjax.core.arrays import Array
 from mgjax.core.xla.pytree import register
 
-CLEAR, TOUCHED, UNKNOWN = 0, 1, 2
-"""What the exact check says of a candidate."""
-
 NONE = -1
 """No candidate."""
+
+
+class Certainty(IntEnum):
+    """What is certain of a candidate by its bounds or the exact check."""
+
+    CLEAR = 0
+    TOUCHED = 1
+    UNKNOWN = 2
 
 
 @register()
@@ -40,9 +41,9 @@ class Picked:
     """The candidate that one setting picks, and how often its energies are saturated.
 
     Attributes:
-        number: the first in the order that is not ``TOUCHED``; where all that are looked at are,
+        number: the first in the order that is not touched; where all that are looked at are,
             the one with the largest clearance; ``NONE`` where none can be timed.
-        avoidance, body, timescale, total: its energies.
+        scores: its energies.
         usable: candidates that can be timed.
         apart: those of them whose sampled clearance is not negative.
         saturated: how many of the latter have an avoidance energy of 0, of 1, and a body energy
@@ -50,44 +51,37 @@ class Picked:
     """
 
     number: Int[Array, "*g"]
-    avoidance: Float[Array, "*g"]
-    body: Float[Array, "*g"]
-    timescale: Float[Array, "*g"]
-    total: Float[Array, "*g"]
+    scores: Scores
     usable: Int[Array, "*g"]
     apart: Int[Array, "*g"]
     saturated: Int[Array, "*g 3"]
 
 
-def rescore(judged: Judged, config: EnergyConfig, *, limit_scale: bool) -> Judged:
-    """The same candidates with the energies of other settings (eqs 6, 8–10).
+def reweight(judged: Judged, config: EnergyConfig, *, limit_scale: bool) -> Judged:
+    """Judged candidates with the energies of other settings (eqs 6, 8–10).
 
     Args:
-        judged: by :func:`mgjax.avoidance.energy.score.judge_all` with ``limit_scale=False`` and the
-            same ``form``; nothing else of the settings it was judged with matters.
+        judged: by :func:`mgjax.avoidance.energy.evaluate.judge_all` with ``limit_scale=False`` and
+            the same ``form``; nothing else of the settings it was judged with matters.
         config: the other settings.
         limit_scale: rejects time scales outside [1/E_time, E_time].
     """
-    timing, found = judged.timing, judged.energies
+    timing = judged.timing
     status = timing.status
     if limit_scale:
         limit = jnp.asarray(config.E_time, jnp.float32)
         out = (timing.s_time > limit) | (timing.s_time * limit < 1)
         status = jnp.where((status == OK) & out, OUT_OF_RANGE, status)
-    avoidance = avoidance_energy(found.penetration, config.E_avoidance)
-    body = body_energy(found.d, found.d0, config)
-    timescale = time_scale_energy(timing.s_time, config.E_time)
     return Judged(
         timing=replace(timing, status=status),
-        energies=replace(found, avoidance=avoidance, body=body),
-        timescale=timescale,
-        total=total_energy(avoidance, body, timescale, config),
+        measures=judged.measures,
+        scores=score(judged.measures, config),
     )
 
 
 def pick(
     judged: Judged,
-    verdict: Int[Array, " C"],
+    certainty: Int[Array, " C"],
     clearance: Float[Array, " C"],
     config: EnergyConfig,
     *,
@@ -97,30 +91,28 @@ def pick(
     """What one setting picks among judged candidates.
 
     Args:
-        judged: see :func:`rescore`.
-        verdict: ``CLEAR``, ``TOUCHED`` or ``UNKNOWN``.
+        judged: see :func:`reweight`.
+        certainty: what is certain of each, see :class:`Certainty`.
         clearance: by the exact check, m.
         config: the setting.
-        limit_scale: see :func:`rescore`.
+        limit_scale: see :func:`reweight`.
         checks: most candidates that are looked at.
     """
-    again = rescore(judged, config, limit_scale=limit_scale)
+    again = reweight(judged, config, limit_scale=limit_scale)
     order = ranking(again)
     usable = again.timing.status == OK
-    hopeful = _count(usable & (again.energies.d >= -HOPELESS_M))
+    d, scores = again.measures.d, again.scores
+    hopeful = _count(usable & (d >= -HOPELESS_M))
     looked_at = usable[order] & (jnp.arange(len(order)) < jnp.clip(hopeful, 1, checks))
-    wins = looked_at & (verdict[order] != TOUCHED)
+    wins = looked_at & (certainty[order] != int(Certainty.TOUCHED))
     nearest = jnp.argmax(jnp.where(looked_at, clearance[order], -jnp.inf))
     place = jnp.where(jnp.any(wins), jnp.argmax(wins), nearest)
     number = order[place]
-    apart = usable & (again.energies.d >= 0)
-    full = [again.energies.avoidance <= 0, again.energies.avoidance >= 1, again.energies.body >= 1]
+    apart = usable & (d >= 0)
+    full = [scores.avoidance <= 0, scores.avoidance >= 1, scores.body >= 1]
     return Picked(
         number=jnp.where(jnp.any(usable), number, NONE),
-        avoidance=again.energies.avoidance[number],
-        body=again.energies.body[number],
-        timescale=again.timescale[number],
-        total=again.total[number],
+        scores=jax.tree.map(lambda values: values[number], scores),
         usable=_count(usable),
         apart=_count(apart),
         saturated=jnp.stack([_count(apart & x) for x in full]),
@@ -134,7 +126,7 @@ def _count(mask: Array) -> Array:
 @partial(jax.jit, static_argnames=("limit_scale", "checks"))
 def pick_each(
     judged: Judged,
-    verdict: Int[Array, " C"],
+    certainty: Int[Array, " C"],
     clearance: Float[Array, " C"],
     grid: EnergyConfig,
     *,
@@ -143,4 +135,4 @@ def pick_each(
 ) -> Picked:
     """What each setting of a grid picks; the numbers of ``grid`` are arrays [G]."""
     one = partial(pick, limit_scale=limit_scale, checks=checks)
-    return jax.vmap(one, in_axes=(None, None, None, 0))(judged, verdict, clearance, grid)
+    return jax.vmap(one, in_axes=(None, None, None, 0))(judged, certainty, clearance, grid)

@@ -10,13 +10,15 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
+from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.choice.search import Query
 from mgjax.avoidance.choice.start import validate_start
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, validate_config
-from mgjax.avoidance.many.attacks import AVOIDED, HIT, NO_CANDIDATE
-from mgjax.avoidance.many.lazy_checks import Question, ask
-from mgjax.avoidance.many.reweight import CLEAR, NONE, UNKNOWN, Picked
+from mgjax.avoidance.energy.score import Energy
+from mgjax.avoidance.many.lazy_checks import ScoredAttack, score_attack
+from mgjax.avoidance.many.reweight import NONE, Certainty, Picked
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.core.errors import ConfigError
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.graph.types import MotionGraph
@@ -27,7 +29,7 @@ class Swept:
     """What each setting chooses against one attack.
 
     Attributes:
-        status: ``AVOIDED``, ``HIT`` or ``NO_CANDIDATE`` of :mod:`mgjax.avoidance.many.attacks`. [G]
+        status: number of a :class:`~mgjax.avoidance.choice.results.Status`. [G]
         number: the chosen candidate, or −1. [G]
         time_scale, clearance: of the chosen walk, as a search reports them; NaN without one. [G]
         penetration, d, d0: of the chosen walk (eqs 4–7); NaN without one. [G]
@@ -72,7 +74,7 @@ class Swept:
 
 
 def sweep_energies(
-    graph: MotionGraph,
+    graph: MotionGraph | Prepared,
     node: int,
     attack: Attack,
     energies: Sequence[EnergyConfig],
@@ -87,7 +89,8 @@ def sweep_energies(
     doubt are looked at closer, each of them once.
 
     Args:
-        graph: a motion graph with labelled avoidance parts.
+        graph: a motion graph with labelled avoidance parts, or what
+            :func:`~mgjax.avoidance.prepared.prepare` made of one.
         node: where the character stands.
         attack: in the planar frame of the body at the node.
         energies: the settings, all with the same ``form`` and ``d0``.
@@ -102,27 +105,33 @@ def sweep_energies(
     if config.culling != "none":
         raise ConfigError(f"got culling = {config.culling!r}, expected none in a sweep")
     grid = _stack(energies, config)
-    tables, _ = search_tables(graph, config.body_rate, config.speed)
-    validate_start(graph, tables, node, attack)
+    prepared = prepared_for(graph, config)
+    validate_start(prepared, node, attack)
     count = len(energies)
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     if crop is None:
         return _no_answers(count, None, None)
     candidates = enumerate_candidates(
-        graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
+        prepared.graph,
+        prepared.tables,
+        node,
+        crop.middle,
+        window=config.T_window,
+        capacity=config.capacity,
     )
     if not len(candidates.length):
         return _no_answers(count, candidates, crop)
     form, limit = energies[0].form, float(np.max(grid.E_time))
-    question = ask(graph, node, attack, crop, candidates, config, form, limit)
-    picked = question.pick(grid)
+    query = Query(node=node, attack=attack, crop=crop, candidates=candidates)
+    scored = score_attack(prepared, query, config, form, limit)
+    picked = scored.pick(grid)
     while True:
         numbers = np.setdiff1d(np.asarray(picked.number), [NONE])
-        doubtful = numbers[question.verdict[numbers] == UNKNOWN]
+        doubtful = numbers[scored.certainty[numbers] == Certainty.UNKNOWN]
         if not len(doubtful):
-            return _answers(question, picked, count)
-        question.look_closer(doubtful)
-        picked = question.pick(grid)
+            return _answers(scored, picked, count)
+        scored.look_closer(doubtful)
+        picked = scored.pick(grid)
 
 
 def _stack(energies: Sequence[EnergyConfig], config: AvoidanceConfig) -> EnergyConfig:
@@ -145,10 +154,10 @@ def _stack(energies: Sequence[EnergyConfig], config: AvoidanceConfig) -> EnergyC
 
 
 def _no_answers(count: int, candidates: Candidates | None, crop: Crop | None) -> Swept:
-    whole = {"status": NO_CANDIDATE, "number": NONE, "usable": 0, "apart": 0}
-    numbers = {name: np.full(count, np.nan) for name in _NUMBERS}
+    counts = {"status": Status.NO_CANDIDATE.code, "number": NONE, "usable": 0, "apart": 0}
+    numbers = {name: np.full(count, np.nan) for name in ("time_scale", "clearance", *_VALUES)}
     return Swept(
-        **{name: np.full(count, value) for name, value in whole.items()},
+        **{name: np.full(count, value) for name, value in counts.items()},
         **numbers,
         saturated=np.zeros((count, 3), np.int64),
         candidates=candidates,
@@ -156,32 +165,33 @@ def _no_answers(count: int, candidates: Candidates | None, crop: Crop | None) ->
     )
 
 
-_ENERGIES = ("avoidance", "body", "timescale", "total")
-_NUMBERS = ("time_scale", "clearance", "penetration", "d", "d0", *_ENERGIES)
+_VALUES = tuple(field.name for field in fields(Energy))
+"""Measures and scores that a sweep reports."""
 
 
-def _answers(question: Question, picked: Picked, count: int) -> Swept:
+def _answers(scored: ScoredAttack, picked: Picked, count: int) -> Swept:
     """What was picked, without the padding."""
     number = np.asarray(picked.number)[:count].astype(np.int64)
-    there = number != NONE
-    judged = question.judged
-    of_candidates = {
-        "time_scale": judged.timing.s_time,
-        "clearance": question.clearance,
-        "penetration": judged.energies.penetration,
-        "d": judged.energies.d,
-        "d0": judged.energies.d0,
+    real = number != NONE
+    measures = scored.judged.measures
+    values = {
+        "time_scale": np.asarray(measures.s_time)[number],
+        "clearance": scored.clearance[number],
     }
-    found = {name: np.asarray(x)[number] for name, x in of_candidates.items()}
-    found |= {name: np.asarray(getattr(picked, name))[:count] for name in _ENERGIES}
-    clear = question.verdict[number] == CLEAR
+    for name in _VALUES:
+        if hasattr(measures, name):
+            values[name] = np.asarray(getattr(measures, name))[number]
+        else:
+            values[name] = np.asarray(getattr(picked.scores, name))[:count]
+    clear = scored.certainty[number] == Certainty.CLEAR
+    status = np.where(clear, Status.AVOIDED.code, Status.HIT.code)
     return Swept(
-        status=np.where(there, np.where(clear, AVOIDED, HIT), NO_CANDIDATE),
+        status=np.where(real, status, Status.NO_CANDIDATE.code),
         number=number,
-        **{name: np.where(there, x, np.nan).astype(np.float64) for name, x in found.items()},
+        **{name: np.where(real, x, np.nan).astype(np.float64) for name, x in values.items()},
         usable=np.asarray(picked.usable)[:count],
         apart=np.asarray(picked.apart)[:count],
         saturated=np.asarray(picked.saturated)[:count],
-        candidates=question.candidates,
-        crop=question.crop,
+        candidates=scored.query.candidates,
+        crop=scored.query.crop,
     )

@@ -12,10 +12,12 @@ from jaxtyping import Float
 
 from mgjax.avoidance.attacks.attack import Attack, validate_attack
 from mgjax.avoidance.attacks.transform import moved, retimed, since
+from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.play.clocks import Clock, Searches, SimulatedClock, SimulatedSearches, Ticket
 from mgjax.avoidance.play.several_attacks import Path, find_path, played_clearance
 from mgjax.avoidance.play.timeline import Timeline
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.core import planar
 from mgjax.core.errors import AttackError, ConfigError
@@ -43,7 +45,7 @@ class Answer:
     number: int
     known: float
     status: Literal["avoided", "hit", "superseded"]
-    search: Literal["avoided", "hit", "no_candidate", "late"]
+    search: Status | Literal["late"]
     hit: bool
     clearance_m: float
     restarts: int
@@ -57,7 +59,7 @@ class _Thrown:
     number: int
     known: float
     attack: Attack
-    search: Literal["avoided", "hit", "no_candidate", "late"] = "late"
+    search: Status | Literal["late"] = "late"
     superseded: bool = False
     restarts: int = 0
     waited: float | None = None
@@ -91,7 +93,8 @@ class Planner:
     wait. What was played is kept (``timeline``), a few numbers for each edge.
 
     Args:
-        graph: a motion graph with labelled avoidance parts.
+        graph: a motion graph with labelled avoidance parts, or what
+            :func:`~mgjax.avoidance.prepared.prepare` made of one.
         clock: ``now()`` in seconds since playback began; default: a simulated one.
         searches: where searches run; default: simulated, without latency.
         config: settings of the search.
@@ -102,7 +105,7 @@ class Planner:
 
     def __init__(
         self,
-        graph: MotionGraph,
+        graph: MotionGraph | Prepared,
         *,
         clock: Clock | None = None,
         searches: Searches | None = None,
@@ -111,11 +114,12 @@ class Planner:
         node: int | None = None,
         start: Float[np.ndarray, "3"] | None = None,
     ) -> None:
-        self._graph = graph
         self._clock: Clock = clock or SimulatedClock()
         self._searches: Searches = searches or SimulatedSearches()
         self._config = config or AvoidanceConfig()
         validate_config(self._config)
+        self._prepared = prepared_for(graph, self._config)
+        self._graph = graph = self._prepared.graph
         self._rng = np.random.default_rng(seed)
         first = int(self._rng.integers(graph.num_nodes)) if node is None else node
         if not 0 <= first < graph.num_nodes:
@@ -244,12 +248,12 @@ class Planner:
             start=np.asarray(planar.compose(planar.inverse(place), begun.start)),
         )
         attack = moved(thrown.attack, place, line.end)
-        call = partial(find_path, self._graph, line.node, attack, others, self._config, rest)
+        call = partial(find_path, self._prepared, line.node, attack, others, self._config, rest)
         self._pending = (thrown, self._searches.submit(now, call), now)
 
     def _accept(self, thrown: _Thrown, found: Path, now: float) -> None:
         thrown.search, thrown.waited = found.status, now - thrown.known
-        if found.walk is not None and (found.status == "avoided" or not self._plan):
+        if found.walk is not None and (found.status == Status.AVOIDED or not self._plan):
             walk = found.walk
             self._plan = deque(zip(walk.edges.tolist(), walk.scales.tolist(), strict=True))
 

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.attacks.transform import moved, retimed
-from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.checks.fast import clearance_between
 from mgjax.avoidance.checks.written import clearance, trace_motion
 from mgjax.avoidance.choice.choosing import choose
-from mgjax.avoidance.choice.continuation import play_on
+from mgjax.avoidance.choice.continuation import continue_clear
+from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.play.timeline import Piece
+from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
@@ -38,13 +38,13 @@ class Path:
         joint: whether the walk is clear of the other attacks, too.
     """
 
-    status: Literal["avoided", "hit", "no_candidate"]
+    status: Status
     walk: Walk | None
     joint: bool
 
 
 def find_path(
-    graph: MotionGraph,
+    prepared: Prepared,
     node: int,
     attack: Attack,
     others: Sequence[Attack],
@@ -58,7 +58,8 @@ def find_path(
     there is none the newest attack counts and the selected walk stays.
 
     Args:
-        graph, node: where the path begins.
+        prepared: of the graph.
+        node: where the path begins.
         attack: the newest, in the planar frame of the node, from the beginning of the path on.
         others: those that are still under way, in the same frame.
         config: settings.
@@ -66,28 +67,28 @@ def find_path(
             before 0).
     """
     begun = moved(attack, rest.start, rest.begins)
-    touched = clearance_between(graph, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
+    touched = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
     try:
-        chosen = choose(graph, node, attack, config=config)
+        chosen = choose(prepared, node, attack, config=config)
     except AttackError:  # it is in the body where the path would begin
-        return Path(status="hit", walk=None, joint=False)
-    if chosen.status == "no_candidate":
-        return Path(status="hit" if touched else "no_candidate", walk=None, joint=False)
-    joint = _clear(graph, chosen.walk, others)
-    if chosen.status == "avoided" and not joint:
-        walk = _clear_of_all(graph, node, attack, others, config)
+        return Path(status=Status.HIT, walk=None, joint=False)
+    if chosen.status == Status.NO_CANDIDATE:
+        return Path(status=Status.HIT if touched else Status.NO_CANDIDATE, walk=None, joint=False)
+    joint = _clear(prepared, chosen.walk, others)
+    if chosen.status == Status.AVOIDED and not joint:
+        walk = _clear_of_all(prepared, node, attack, others, config)
         if walk is not None:
-            return Path(status="hit" if touched else "avoided", walk=walk, joint=True)
-    return Path(status="hit" if touched else chosen.status, walk=chosen.walk, joint=joint)
+            return Path(status=Status.HIT if touched else Status.AVOIDED, walk=walk, joint=True)
+    return Path(status=Status.HIT if touched else chosen.status, walk=chosen.walk, joint=joint)
 
 
-def _clear(graph: MotionGraph, walk: Walk, attacks: Sequence[Attack]) -> bool:
-    end = float(walk.starts(graph)[-1])
-    return all(clearance_between(graph, a, walk, 0.0, end) >= CLEAR_M for a in attacks)
+def _clear(prepared: Prepared, walk: Walk, attacks: Sequence[Attack]) -> bool:
+    end = float(walk.starts(prepared.graph)[-1])
+    return all(clearance_between(prepared.posed, a, walk, 0.0, end) >= CLEAR_M for a in attacks)
 
 
 def _clear_of_all(
-    graph: MotionGraph,
+    prepared: Prepared,
     node: int,
     attack: Attack,
     others: Sequence[Attack],
@@ -97,21 +98,26 @@ def _clear_of_all(
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     if crop is None:
         return None
-    tables, device = search_tables(graph, config.body_rate, config.speed)
+    graph = prepared.graph
     found = enumerate_candidates(
-        graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
+        graph,
+        prepared.tables,
+        node,
+        crop.middle,
+        window=config.T_window,
+        capacity=config.capacity,
     )
     if not len(found.length):
         return None
-    judged = judge(device, found, attack, crop, config, frame_rate=graph.frame_rate)
+    judged = judge(prepared.device, found, attack, crop, config, frame_rate=graph.frame_rate)
     for index in judged["order"][: config.checks]:
         length = int(found.length[index])
         path = make_walk(graph, found.edges[index, :length], judged["scales"][index, :length])
-        if not _clear(graph, path, others):
+        if not _clear(prepared, path, others):
             continue
-        played = play_on(graph, attack, path, config)
+        played = continue_clear(prepared.posed, attack, path, config)
         clear = played.clearance >= CLEAR_M and played.clear_until is None
-        if clear and _clear(graph, played.walk, others):
+        if clear and _clear(prepared, played.walk, others):
             return played.walk
     return None
 

@@ -11,12 +11,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.ballsport.aiming.passes import MAX_SPEED, PAPER, check_bounces
-from mgjax.ballsport.aiming.problem import FIRST_CONTACT, Task, flight_arcs, make_task
+from mgjax.ballsport.aiming.passes import PAPER, check_bounces
+from mgjax.ballsport.aiming.problem import FIRST_CONTACT, AimProblem, flight_arcs, make_problem
 from mgjax.ballsport.aiming.solve import Aim, solve
 from mgjax.ballsport.aiming.updates import SECOND
 from mgjax.ballsport.ball.flight import contact_time, free_flight
 from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
+from mgjax.ballsport.config import MAX_SPEED_M_S
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
 from mgjax.core.xla.padding import bucket_size, pad_axis
@@ -62,7 +63,7 @@ def choose_frame(
     mask: Bool[Array, " F"] | None = None,
     physics: BallPhysics = PAPER,
     scales: tuple[float, float] = SCALES,
-    max_speed: Number = MAX_SPEED,
+    max_speed: Number = MAX_SPEED_M_S,
     net: Net | None = None,
     flight_time: Number = None,
     time_weight: Number = SECOND,
@@ -106,13 +107,13 @@ def choose_frame(
     )
     wanted = np.nan if flight_time is None else flight_time
     shared = wanted, time_weight, max_speed, net, physics
-    found = _choose(*frames, target, np.asarray(scales, np.float32), shared, int(bounces))
+    choice = _choose(*frames, target, np.asarray(scales, np.float32), shared, int(bounces))
     return HitChoice(
-        frame=found.frame,
-        aim=found.aim,
-        velocities=np.asarray(found.velocities)[:count],
-        times=np.asarray(found.times)[:count],
-        distances=np.asarray(found.distances)[:count],
+        frame=choice.frame,
+        aim=choice.aim,
+        velocities=np.asarray(choice.velocities)[:count],
+        times=np.asarray(choice.times)[:count],
+        distances=np.asarray(choice.distances)[:count],
     )
 
 
@@ -129,18 +130,18 @@ def _choose(
     factors = jnp.linspace(scales[0], scales[1], _SCALED)
 
     def one(position: Array, velocity: Array) -> tuple[Array, Array, Array, Array]:
-        task = make_task(position, target, velocity, *shared)
-        tried = factors[:, None] * task.guess[None]
-        cost, distance, time = jax.vmap(lambda v: _flight(task, v, bounces))(tried)
+        problem = make_problem(position, target, velocity, *shared)
+        tried = factors[:, None] * problem.guess[None]
+        cost, distance, time = jax.vmap(lambda v: _flight(problem, v, bounces))(tried)
         best = jnp.argmin(cost)
         return cost[best], distance[best], time[best], tried[best]
 
     cost, distance, time, kicked = jax.vmap(one)(positions, velocities)
     frame = jnp.argmin(jnp.where(mask, cost, jnp.inf))
-    task = make_task(positions[frame], target, kicked[frame], *shared)
+    problem = make_problem(positions[frame], target, kicked[frame], *shared)
     return HitChoice(
         frame=frame,
-        aim=solve(task, bounces),
+        aim=solve(problem, bounces),
         velocities=kicked,
         times=time,
         distances=jnp.where(mask, distance, jnp.inf),
@@ -148,18 +149,18 @@ def _choose(
 
 
 def _flight(
-    task: Task, velocity: Array, bounces: int
+    problem: AimProblem, velocity: Array, bounces: int
 ) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
     """Cost, distance and time of the moment in the last arc that suits best."""
-    arcs = flight_arcs(task, velocity, bounces)
+    arcs = flight_arcs(problem, velocity, bounces)
     start, place, v = arcs[-1]
-    lasts = contact_time(place[1], v, task.physics)
+    duration = contact_time(place[1], v, problem.physics)
 
     def at(share: Array) -> tuple[Array, Array, Array]:
-        moved, _ = free_flight(v, share * lasts, task.physics)
-        time = start + share * lasts
-        square = jnp.sum((place + moved - task.target) ** 2)
-        late = task.weight * time * (time - task.wanted)
+        moved, _ = free_flight(v, share * duration, problem.physics)
+        time = start + share * duration
+        square = jnp.sum((place + moved - problem.target) ** 2)
+        late = problem.weight * time * (time - problem.wanted)
         return square + jnp.where(jnp.isnan(late), 0.0, late * late), jnp.sqrt(square), time
 
     steps = jnp.linspace(0.0, 1.0, _MOMENTS)

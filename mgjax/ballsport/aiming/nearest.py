@@ -10,8 +10,8 @@ from jaxtyping import Float
 from mgjax.ballsport.aiming.problem import (
     FIRST_CONTACT,
     SHORTEST,
+    AimProblem,
     Launch,
-    Task,
     clears_net,
     flight_arcs,
 )
@@ -33,7 +33,7 @@ _BLOCKED = 1e12
 """Cost of a flight that meets the net or has other bounces, m²."""
 
 
-def nearest_launch(task: Task, bounces: int) -> Launch:
+def nearest_launch(problem: AimProblem, bounces: int) -> Launch:
     """The flight with the wanted bounces, above the net, that passes nearest to the target.
 
     What lies beyond reach is approached best at the largest speed: at a smaller one the launch
@@ -41,24 +41,26 @@ def nearest_launch(task: Task, bounces: int) -> Launch:
     upright plane through start and target. So two numbers remain, the elevation of the kick and the
     moment within the last arc; their grid is narrowed about its best point again and again.
     """
-    flat = jnp.asarray(task.target).at[1].set(0.0)
+    flat = jnp.asarray(problem.target).at[1].set(0.0)
     length = jnp.sqrt(jnp.sum(flat * flat))
     aside = jnp.array([1.0, 0.0, 0.0], jnp.float32)
     ahead = jnp.where(length > 1e-6, flat / jnp.maximum(length, 1e-6), aside)
 
     def cost(elevation: Array, moments: Array) -> tuple[Float[Array, " M"], Float[Array, " M"]]:
         """Squared distance at some moments, given as shares of the last arc; and the times."""
-        velocity = _kick(task, ahead, elevation)
-        arcs = flight_arcs(task, velocity, bounces)
+        velocity = _kick(problem, ahead, elevation)
+        arcs = flight_arcs(problem, velocity, bounces)
         t, place, v = arcs[-1]
-        lasts = contact_time(place[1], v, task.physics)
+        duration = contact_time(place[1], v, problem.physics)
         blocked = (arcs[1][0] < 2 * FIRST_CONTACT) if bounces else jnp.asarray(False)
 
         def at(moment: Array) -> tuple[Array, Array]:
-            moved, _ = free_flight(v, moment * lasts, task.physics)
-            time = t + moment * lasts
-            out = ~clears_net(task, Launch(velocity, time), bounces) | (time < SHORTEST) | blocked
-            return jnp.where(out, _BLOCKED, jnp.sum((place + moved - task.target) ** 2)), time
+            moved, _ = free_flight(v, moment * duration, problem.physics)
+            time = t + moment * duration
+            out = (
+                ~clears_net(problem, Launch(velocity, time), bounces) | (time < SHORTEST) | blocked
+            )
+            return jnp.where(out, _BLOCKED, jnp.sum((place + moved - problem.target) ** 2)), time
 
         return jax.vmap(at)(moments)
 
@@ -74,9 +76,9 @@ def nearest_launch(task: Task, bounces: int) -> Launch:
     middle = jnp.zeros((), jnp.float32), jnp.full((), 0.5, jnp.float32), jnp.ones((), jnp.float32)
     angle, moment, _ = lax.fori_loop(0, _ROUNDS, zoom, middle)
     _, times = cost(angle, moment[None])
-    return Launch(_kick(task, ahead, angle), times[0])
+    return Launch(_kick(problem, ahead, angle), times[0])
 
 
-def _kick(task: Task, ahead: Array, elevation: Array) -> Float[Array, "3"]:
+def _kick(problem: AimProblem, ahead: Array, elevation: Array) -> Float[Array, "3"]:
     up = jnp.array([0.0, 1.0, 0.0], jnp.float32)
-    return _BELOW * task.max_speed * (jnp.cos(elevation) * ahead + jnp.sin(elevation) * up)
+    return _BELOW * problem.max_speed * (jnp.cos(elevation) * ahead + jnp.sin(elevation) * up)

@@ -10,7 +10,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.ballsport.aiming.problem import make_task
+from mgjax.ballsport.aiming.problem import make_problem
 from mgjax.ballsport.aiming.solve import (
     TOO_FAR,
     UNDER_NET,
@@ -21,15 +21,10 @@ from mgjax.ballsport.aiming.solve import (
 )
 from mgjax.ballsport.aiming.updates import SECOND
 from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
+from mgjax.ballsport.config import MAX_SPEED_M_S, MOST_BOUNCES
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
 from mgjax.core.xla.padding import bucket_size, pad_axis
-
-MOST_BOUNCES = 4
-"""Bounces that can be asked for."""
-
-MAX_SPEED = 30.0
-"""Largest kick speed unless given, m/s: about the fastest that is measured in football."""
 
 PAPER = BallPhysics()
 """The paper's ball."""
@@ -42,7 +37,7 @@ def aim(
     bounces: int,
     guess: Float[Array, "3"],
     physics: BallPhysics = PAPER,
-    max_speed: Number = MAX_SPEED,
+    max_speed: Number = MAX_SPEED_M_S,
     net: Net | None = None,
     flight_time: Number = None,
     time_weight: Number = SECOND,
@@ -95,7 +90,7 @@ def aim_batch(
     bounces: int,
     guesses: Float[Array, "N 3"],
     physics: BallPhysics = PAPER,
-    max_speed: Number = MAX_SPEED,
+    max_speed: Number = MAX_SPEED_M_S,
     net: Net | None = None,
     flight_times: Float[Array, " N"] | None = None,
     time_weight: Number = SECOND,
@@ -110,17 +105,17 @@ def aim_batch(
     """
     check_bounces(bounces)
     wanted = np.full(len(starts), np.nan) if flight_times is None else flight_times
-    given: tuple[Any, ...] = starts, targets, guesses, wanted
-    items = [np.asarray(a, np.float32) for a in given]
+    passes: tuple[Any, ...] = starts, targets, guesses, wanted
+    items = [np.asarray(a, np.float32) for a in passes]
     shared = time_weight, max_speed, net, physics
-    found = _over(_feasible, items, shared, bounces)
-    failed = np.flatnonzero((found.status == TOO_FAR) | (found.status == UNDER_NET))
+    aims = _over(_feasible, items, shared, bounces)
+    failed = np.flatnonzero((aims.status == TOO_FAR) | (aims.status == UNDER_NET))
     if len(failed):
-        rest = [a[failed] for a in (*items, np.asarray(found.status))]
+        rest = [a[failed] for a in (*items, np.asarray(aims.status))]
         nearest = _over(_nearest, rest, shared, bounces)
-        for old, new in zip(jax.tree.leaves(found), jax.tree.leaves(nearest), strict=True):
+        for old, new in zip(jax.tree.leaves(aims), jax.tree.leaves(nearest), strict=True):
             old[failed] = new
-    return found
+    return aims
 
 
 def _over(
@@ -130,15 +125,15 @@ def _over(
     count = len(items[0])
     size = bucket_size(count)
     padded = (pad_axis(a, size, value=None if count else 0.0) for a in items)
-    found = solver(*padded, shared, bounces)
-    return jax.tree.map(lambda a: np.array(a)[:count], found)
+    aims = solver(*padded, shared, bounces)
+    return jax.tree.map(lambda a: np.array(a)[:count], aims)
 
 
 @partial(jax.jit, static_argnames="bounces")
 def _aim(
     start: Array, target: Array, guess: Array, wanted: Number, shared: Any, bounces: int
 ) -> Aim:
-    return solve(make_task(start, target, guess, wanted, *shared), bounces)
+    return solve(make_problem(start, target, guess, wanted, *shared), bounces)
 
 
 @partial(jax.jit, static_argnames="bounces")
@@ -146,7 +141,7 @@ def _feasible(
     starts: Array, targets: Array, guesses: Array, wanted: Array, shared: Any, bounces: int
 ) -> Aim:
     def one(start: Array, target: Array, guess: Array, time: Array) -> Aim:
-        return solve_feasible(make_task(start, target, guess, time, *shared), bounces)
+        return solve_feasible(make_problem(start, target, guess, time, *shared), bounces)
 
     return jax.vmap(one)(starts, targets, guesses, wanted)
 
@@ -162,13 +157,13 @@ def _nearest(
     bounces: int,
 ) -> Aim:
     def one(start: Array, target: Array, guess: Array, time: Array, reason: Array) -> Aim:
-        return solve_nearest(make_task(start, target, guess, time, *shared), reason, bounces)
+        return solve_nearest(make_problem(start, target, guess, time, *shared), reason, bounces)
 
     return jax.vmap(one)(starts, targets, guesses, wanted, reasons)
 
 
 def check_bounces(bounces: int) -> None:
     """Raises :class:`ConfigError` unless so many bounces can be asked for."""
-    whole = isinstance(bounces, int | np.integer) and not isinstance(bounces, bool)
-    if not (whole and 0 <= bounces <= MOST_BOUNCES):
+    is_whole = isinstance(bounces, int | np.integer) and not isinstance(bounces, bool)
+    if not (is_whole and 0 <= bounces <= MOST_BOUNCES):
         raise ConfigError(f"got bounces = {bounces!r}, expected 0 … {MOST_BOUNCES}")

@@ -26,7 +26,7 @@ _CROSSING_STEPS = 6
 """Newton steps to the crossing of the net."""
 
 
-class Task(NamedTuple):
+class AimProblem(NamedTuple):
     """What is asked.
 
     Attributes:
@@ -63,7 +63,7 @@ class Launch(NamedTuple):
     time: Float[Array, ""]
 
 
-def make_task(
+def make_problem(
     start: Array,
     target: Array,
     guess: Array,
@@ -72,22 +72,22 @@ def make_task(
     max_speed: Number,
     net: Net | None,
     physics: BallPhysics,
-) -> Task:
+) -> AimProblem:
     """Moves the start to the origin, so that float32 is as fine far from the world's origin."""
     physics = traced(physics)
     begin, end = _float32(start), _float32(target)
     height = jnp.maximum(begin[1] - physics.radius, 0.0)
-    way = end - begin
-    return Task(
+    displacement = end - begin
+    return AimProblem(
         start=begin,
         asked=end,
         height=height,
-        target=way.at[1].set(jnp.maximum(end[1] - physics.radius, MARGIN)),
+        target=displacement.at[1].set(jnp.maximum(end[1] - physics.radius, MARGIN)),
         guess=_float32(guess),
         wanted=_float32(wanted),
         weight=_float32(weight),
         max_speed=_float32(max_speed),
-        net=None if net is None else _net_ahead(begin, way, jax.tree.map(_float32, net)),
+        net=None if net is None else _net_ahead(begin, displacement, jax.tree.map(_float32, net)),
         physics=physics,
     )
 
@@ -96,28 +96,30 @@ def _float32(value: Number) -> jax.Array:
     return jnp.asarray(value, jnp.float32)
 
 
-def _net_ahead(start: Array, way: Array, net: Net) -> tuple[Array, Array]:
+def _net_ahead(start: Array, displacement: Array, net: Net) -> tuple[Array, Array]:
     across = jnp.sin(net.heading), jnp.cos(net.heading)
     near = across[0] * (net.x - start[0]) + across[1] * (net.z - start[2])
-    far = across[0] * way[0] + across[1] * way[2]
+    far = across[0] * displacement[0] + across[1] * displacement[2]
     crosses = near * (far - near) > 0
     return jnp.where(crosses, near / jnp.where(crosses, far, 1.0), -1.0), net.height
 
 
-def flight_arcs(task: Task, velocity: Array, bounces: int) -> list[tuple[Array, Array, Array]]:
+def flight_arcs(
+    problem: AimProblem, velocity: Array, bounces: int
+) -> list[tuple[Array, Array, Array]]:
     """Time, place and velocity at the beginning of each arc up to the one after ``bounces``."""
-    zero = jnp.zeros_like(task.height)
-    begin = jnp.stack([zero, task.height, zero])
+    zero = jnp.zeros_like(problem.height)
+    begin = jnp.stack([zero, problem.height, zero])
     arcs: list[tuple[Array, Array, Array]] = [(zero, begin, velocity)]
     for _ in range(bounces):
         t, place, v = arcs[-1]
-        lasts, place, v = next_arc(place, v, task.physics)
-        arcs.append((t + lasts, place, v))
+        duration, place, v = next_arc(place, v, problem.physics)
+        arcs.append((t + duration, place, v))
     return arcs
 
 
 def arrive(
-    task: Task, launch: Launch, bounces: int
+    problem: AimProblem, launch: Launch, bounces: int
 ) -> tuple[Float[Array, "3"], tuple[Float[Array, "3"], Bool[Array, ""]]]:
     """S(t, u) of eq. 6 with a fixed number of bounces, minus the target.
 
@@ -125,36 +127,36 @@ def arrive(
         The miss vector, and again with whether the ball really has had just these bounces, in the
         form that ``jax.jacfwd`` takes. Where it has not, the last arc is continued beyond its ends.
     """
-    arcs = flight_arcs(task, launch.velocity, bounces)
+    arcs = flight_arcs(problem, launch.velocity, bounces)
     t, place, v = arcs[-1]
-    moved, _ = free_flight(v, launch.time - t, task.physics)
+    moved, _ = free_flight(v, launch.time - t, problem.physics)
     end = place + moved
     kept = (launch.time >= t) & (end[1] >= 0) & (launch.time >= SHORTEST)
     if bounces > 0:
         kept &= arcs[1][0] >= FIRST_CONTACT
-    miss = end - task.target
+    miss = end - problem.target
     return miss, (miss, kept)
 
 
-def clears_net(task: Task, launch: Launch, bounces: int) -> Bool[Array, ""]:
+def clears_net(problem: AimProblem, launch: Launch, bounces: int) -> Bool[Array, ""]:
     """Whether the ball's lowest point is above the net where it crosses it, if it does."""
-    if task.net is None:
+    if problem.net is None:
         return jnp.asarray(True)
-    fraction, height = task.net
-    arcs = flight_arcs(task, launch.velocity, bounces)
+    fraction, height = problem.net
+    arcs = flight_arcs(problem, launch.velocity, bounces)
 
     def at(time: Array) -> tuple[Array, Array]:
         place = speed = jnp.zeros(3, jnp.float32)
         for t, p, v in arcs:
-            moved, then = free_flight(v, time - t, task.physics)
+            moved, then = free_flight(v, time - t, problem.physics)
             place = jnp.where(time >= t, p + moved, place)
             speed = jnp.where(time >= t, then, speed)
         return place, speed
 
     # The way over the floor is straight, and concave in time: from the left Newton is monotone.
-    way = jnp.stack([task.target[0], jnp.zeros_like(height), task.target[2]])
-    length = jnp.sqrt(jnp.sum(way * way))
-    ahead, distance = way / jnp.maximum(length, 1e-6), fraction * length
+    displacement = jnp.stack([problem.target[0], jnp.zeros_like(height), problem.target[2]])
+    length = jnp.sqrt(jnp.sum(displacement * displacement))
+    ahead, distance = displacement / jnp.maximum(length, 1e-6), fraction * length
     time = distance / jnp.maximum(jnp.sum(ahead * launch.velocity), 1e-6)
     for _ in range(_CROSSING_STEPS):
         place, speed = at(time)

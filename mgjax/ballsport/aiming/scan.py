@@ -16,9 +16,9 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Bool, Float
 
-from mgjax.ballsport.aiming.problem import FIRST_CONTACT, SHORTEST, Launch, Task
-from mgjax.ballsport.ball.flight import decay
+from mgjax.ballsport.aiming.problem import FIRST_CONTACT, SHORTEST, AimProblem, Launch
 from mgjax.core.arrays import Array
+from mgjax.core.ballistics import drag_integrals
 
 _SCANNED, _ROUNDS = 13, 3
 """Vertical velocities in each scan, and scans: the best is then known to about 0.05 m/s."""
@@ -59,19 +59,22 @@ class Guess(NamedTuple):
     reached: Bool[Array, ""]
 
 
-def guess_launch(task: Task, bounces: int) -> Guess:
+def guess_launch(problem: AimProblem, bounces: int) -> Guess:
     """The scanned flight nearest to the guess: least |v − guess|² + (weight (T − wanted))².
 
     With quadratic drag each flight is scanned with the linear drag that is as strong at its mean
     speed, and ends only near the target.
     """
     s = jnp.linspace(-1.0, 1.0, _SCANNED)
-    top, middle = task.max_speed, jnp.clip(task.guess[1], -task.max_speed, task.max_speed)
+    top, middle = (
+        problem.max_speed,
+        jnp.clip(problem.guess[1], -problem.max_speed, problem.max_speed),
+    )
     reach = jnp.where(s > 0, top - middle, top + middle)
     coarse = middle + s * jnp.sqrt(jnp.abs(s)) * reach
 
     def scan(vertical: Array, _: None) -> tuple[Array, Guess]:
-        cost, launch, reached = _flights(task, vertical, bounces)
+        cost, launch, reached = _flights(problem, vertical, bounces)
         flat = cost.reshape(-1)
         index = jnp.argmin(flat)
         chosen = Launch(launch.velocity.reshape(-1, 3)[index], launch.time.reshape(-1)[index])
@@ -86,12 +89,12 @@ def guess_launch(task: Task, bounces: int) -> Guess:
 
 
 def _flights(
-    task: Task, vertical: Float[Array, " K"], bounces: int
+    problem: AimProblem, vertical: Float[Array, " K"], bounces: int
 ) -> tuple[Float[Array, "2 K"], Launch, Bool[Array, "2 K"]]:
     """The falling and the rising flight of each vertical velocity; see :func:`_flight`."""
 
     def flight(v: Array, rising: Array) -> tuple[Array, Launch, Array]:
-        return _flight(task, v, rising, bounces)
+        return _flight(problem, v, rising, bounces)
 
     # The arcs do not depend on the side, so with linear drag they are computed once for both.
     both = jax.vmap(jax.vmap(flight, (0, None)), (None, 0))
@@ -99,64 +102,66 @@ def _flights(
 
 
 def _flight(
-    task: Task, vertical: Array, rising: Array, bounces: int
+    problem: AimProblem, vertical: Array, rising: Array, bounces: int
 ) -> tuple[Float[Array, ""], Launch, Bool[Array, ""]]:
     """One flight: its cost, its launch, and whether it exists within the largest speed."""
-    wx, wz = task.target[0], task.target[2]
-    drag = task.physics.drag
-    if task.physics.drag_law == "quadratic":
-        drag = _equal_drag(task, vertical, rising, bounces)
-    arcs = _arcs(task, vertical, drag, bounces)
-    time, exists = _crossing(task, arcs, rising, drag)
-    per_metre = 1 / decay(time, drag)[1]
+    wx, wz = problem.target[0], problem.target[2]
+    drag = problem.physics.drag
+    if problem.physics.drag_law == "quadratic":
+        drag = _equal_drag(problem, vertical, rising, bounces)
+    arcs = _arcs(problem, vertical, drag, bounces)
+    time, exists = _crossing(problem, arcs, rising, drag)
+    per_metre = 1 / drag_integrals(time, drag)[1]
     x, z = wx * per_metre, wz * per_metre
-    dx, dy, dz = x - task.guess[0], vertical - task.guess[1], z - task.guess[2]
-    late = jnp.where(jnp.isnan(task.wanted), 0.0, task.weight * (time - task.wanted))
+    dx, dy, dz = x - problem.guess[0], vertical - problem.guess[1], z - problem.guess[2]
+    late = jnp.where(jnp.isnan(problem.wanted), 0.0, problem.weight * (time - problem.wanted))
     cost = dx * dx + dy * dy + dz * dz + late * late
-    excess = jnp.sqrt(x * x + vertical * vertical + z * z) - _BELOW * task.max_speed
+    excess = jnp.sqrt(x * x + vertical * vertical + z * z) - _BELOW * problem.max_speed
     slow = excess <= 0
-    blocked = ~_above_net(task, arcs, time, drag)
+    blocked = ~_above_net(problem, arcs, time, drag)
     cost = jnp.where(blocked, _TOO_FAST, cost) + jnp.where(slow, 0.0, _TOO_FAST + excess * excess)
     cost = jnp.where(exists, jnp.minimum(cost, _FAR), _FAR)
     return cost, Launch(jnp.stack([x, vertical, z]), time), exists & slow
 
 
-def _equal_drag(task: Task, vertical: Array, rising: Array, bounces: int) -> Array:
+def _equal_drag(problem: AimProblem, vertical: Array, rising: Array, bounces: int) -> Array:
     """The linear drag as strong as the quadratic one at the flight's mean speed."""
-    length = jnp.hypot(task.target[0], task.target[2])
+    length = jnp.hypot(problem.target[0], problem.target[2])
 
     def again(_: Array, drag: Array) -> Array:
-        arcs = _arcs(task, vertical, drag, bounces)
-        time, _ = _crossing(task, arcs, rising, drag)
-        return task.physics.drag * jnp.hypot(length / time, vertical / 2)
+        arcs = _arcs(problem, vertical, drag, bounces)
+        time, _ = _crossing(problem, arcs, rising, drag)
+        return problem.physics.drag * jnp.hypot(length / time, vertical / 2)
 
-    first = task.physics.drag * jnp.hypot(jnp.sqrt(jnp.sum(task.guess**2)), vertical) / 2
+    first = problem.physics.drag * jnp.hypot(jnp.sqrt(jnp.sum(problem.guess**2)), vertical) / 2
     return lax.fori_loop(0, _DRAG_ROUNDS, again, first)
 
 
-def _arcs(task: Task, vertical: Array, drag: Array, bounces: int) -> list[tuple[Array, ...]]:
+def _arcs(
+    problem: AimProblem, vertical: Array, drag: Array, bounces: int
+) -> list[tuple[Array, ...]]:
     """Time, height and vertical velocity at the beginning of each arc."""
     zero = jnp.zeros_like(vertical)
-    arcs = [(zero, task.height, vertical)]
+    arcs = [(zero, problem.height, vertical)]
     for _ in range(bounces):
         t, height, v = arcs[-1]
-        lasts = _fall(task, height, v, drag)
-        e0, e1, _ = decay(lasts, drag)
-        up = task.physics.restitution * (task.physics.gravity * e1 - v * e0)
-        arcs.append((t + lasts, zero, jnp.maximum(up, 0.0)))
+        duration = _fall(problem, height, v, drag)
+        e0, e1, _ = drag_integrals(duration, drag)
+        up = problem.physics.restitution * (problem.physics.gravity * e1 - v * e0)
+        arcs.append((t + duration, zero, jnp.maximum(up, 0.0)))
     return arcs
 
 
 def _crossing(
-    task: Task, arcs: list[tuple[Array, ...]], rising: Array, drag: Array
+    problem: AimProblem, arcs: list[tuple[Array, ...]], rising: Array, drag: Array
 ) -> tuple[Float[Array, ""], Bool[Array, ""]]:
     """When the last arc crosses the target's height, and whether it does."""
     start, height, v = arcs[-1]
-    above, gravity = height - task.target[1], task.physics.gravity
+    above, gravity = height - problem.target[1], problem.physics.gravity
     root = jnp.sqrt(jnp.maximum(v * v + 2 * gravity * above, 0.0))
     up = -2 * above / jnp.where(v + root > 0, v + root, jnp.inf)
     local = _newton(jnp.where(rising, up, _drag_free(above, v, gravity)), above, v, drag, gravity)
-    _, e1, e2 = decay(local, drag)
+    _, e1, e2 = drag_integrals(local, drag)
     exists = jnp.abs(above + v * e1 - gravity * e2) < _OFF
     exists &= (local >= 0) & (start + local >= SHORTEST)
     if len(arcs) > 1:
@@ -172,32 +177,36 @@ def _drag_free(above: Array, v: Array, gravity: Array) -> Array:
     return jnp.where(falls, 2 * above / below, (v + root) / gravity)
 
 
-def _fall(task: Task, above: Array, v: Array, drag: Array) -> Array:
+def _fall(problem: AimProblem, above: Array, v: Array, drag: Array) -> Array:
     """Time until contact; see :func:`mgjax.ballsport.ball.flight.contact_time`."""
-    gravity = task.physics.gravity
+    gravity = problem.physics.gravity
     return _newton(_drag_free(above, v, gravity), above, v, drag, gravity)
 
 
 def _newton(t: Array, above: Array, v: Array, drag: Array, gravity: Array) -> Array:
     for _ in range(_NEWTON_STEPS):
-        e0, e1, e2 = decay(t, drag)
+        e0, e1, e2 = drag_integrals(t, drag)
         rate = v * e0 - gravity * e1
         t = t - (above + v * e1 - gravity * e2) / jnp.where(rate != 0, rate, -1.0)
     return t
 
 
-def _above_net(task: Task, arcs: list[tuple[Array, ...]], time: Array, drag: Array) -> Array:
+def _above_net(
+    problem: AimProblem, arcs: list[tuple[Array, ...]], time: Array, drag: Array
+) -> Array:
     """Whether the flight clears the net, by ``_ABOVE``."""
-    if task.net is None:
+    if problem.net is None:
         return jnp.ones_like(time, bool)
-    fraction, height = task.net
-    _, whole, _ = decay(time, drag)
-    t = fraction * whole
+    fraction, height = problem.net
+    _, total, _ = drag_integrals(time, drag)
+    t = fraction * total
     for _ in range(_NEWTON_STEPS):
-        e0, e1, _ = decay(t, drag)
-        t = t - (e1 - fraction * whole) / e0
-    found = jnp.zeros_like(time)
+        e0, e1, _ = drag_integrals(t, drag)
+        t = t - (e1 - fraction * total) / e0
+    height_there = jnp.zeros_like(time)
     for start, begin, v in arcs:
-        _, e1, e2 = decay(t - start, drag)
-        found = jnp.where(t >= start, begin + v * e1 - task.physics.gravity * e2, found)
-    return (fraction < 0) | (found >= height + _ABOVE)
+        _, e1, e2 = drag_integrals(t - start, drag)
+        height_there = jnp.where(
+            t >= start, begin + v * e1 - problem.physics.gravity * e2, height_there
+        )
+    return (fraction < 0) | (height_there >= height + _ABOVE)

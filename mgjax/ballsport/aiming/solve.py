@@ -9,7 +9,7 @@ from jax import lax
 from jaxtyping import Bool, Float, Int
 
 from mgjax.ballsport.aiming.nearest import nearest_launch
-from mgjax.ballsport.aiming.problem import Launch, Task, arrive, clears_net
+from mgjax.ballsport.aiming.problem import AimProblem, Launch, arrive, clears_net
 from mgjax.ballsport.aiming.scan import guess_launch
 from mgjax.ballsport.aiming.updates import Updated, differential_updates
 from mgjax.core.arrays import Array
@@ -59,52 +59,52 @@ class Aim:
     iterations: Int[Array, "*n"]
 
 
-def solve(task: Task, bounces: int) -> Aim:
+def solve(problem: AimProblem, bounces: int) -> Aim:
     """The pass, or the nearest there is."""
-    found = solve_feasible(task, bounces)
+    aimed = solve_feasible(problem, bounces)
     return lax.cond(
-        (found.status == TOO_FAR) | (found.status == UNDER_NET),
-        lambda: solve_nearest(task, found.status, bounces),
-        lambda: found,
+        (aimed.status == TOO_FAR) | (aimed.status == UNDER_NET),
+        lambda: solve_nearest(problem, aimed.status, bounces),
+        lambda: aimed,
     )
 
 
-def solve_feasible(task: Task, bounces: int) -> Aim:
+def solve_feasible(problem: AimProblem, bounces: int) -> Aim:
     """Guess and updates. What does not meet the target has the reason as status."""
-    guess = guess_launch(task, bounces)
-    updated = differential_updates(task, guess.launch, bounces)
+    guess = guess_launch(problem, bounces)
+    updated = differential_updates(problem, guess.launch, bounces)
     reason = jnp.where(guess.reached & ~guess.feasible, UNDER_NET, TOO_FAR)
-    return _result(task, updated, _meets(task, updated, bounces), reason)
+    return _result(problem, updated, _meets(problem, updated, bounces), reason)
 
 
-def solve_nearest(task: Task, reason: Int[Array, ""], bounces: int) -> Aim:
+def solve_nearest(problem: AimProblem, reason: Int[Array, ""], bounces: int) -> Aim:
     """The nearest approach; from there the updates may yet find what the guess did not."""
-    launch = nearest_launch(task, bounces)
-    updated = differential_updates(task, launch, bounces)
-    meets = _meets(task, updated, bounces)
-    miss, (_, kept) = arrive(task, launch, bounces)
+    launch = nearest_launch(problem, bounces)
+    updated = differential_updates(problem, launch, bounces)
+    meets = _meets(problem, updated, bounces)
+    miss, (_, kept) = arrive(problem, launch, bounces)
     launch = Launch(*(jnp.where(meets, a, b) for a, b in zip(updated.launch, launch, strict=True)))
     miss = jnp.where(meets, updated.miss, miss)
-    return _result(task, Updated(launch, miss, kept, updated.trials), meets, reason)
+    return _result(problem, Updated(launch, miss, kept, updated.trials), meets, reason)
 
 
-def _meets(task: Task, updated: Updated, bounces: int) -> Bool[Array, ""]:
+def _meets(problem: AimProblem, updated: Updated, bounces: int) -> Bool[Array, ""]:
     speed = jnp.sqrt(jnp.sum(updated.launch.velocity**2))
     met = (jnp.sum(updated.miss**2) <= _CLOSE**2) & updated.kept
-    met &= speed <= task.max_speed * _ROUNDING
-    return met & clears_net(task, updated.launch, bounces)
+    met &= speed <= problem.max_speed * _ROUNDING
+    return met & clears_net(problem, updated.launch, bounces)
 
 
-def _result(task: Task, updated: Updated, meets: Array, reason: Array) -> Aim:
-    numbers = (*task.asked, *task.start, *task.guess, task.max_speed, task.weight)
+def _result(problem: AimProblem, updated: Updated, meets: Array, reason: Array) -> Aim:
+    numbers = (*problem.asked, *problem.start, *problem.guess, problem.max_speed, problem.weight)
     finite = jnp.all(jnp.isfinite(jnp.stack(numbers)))
-    sunk = task.asked[1] < task.physics.radius - EXACT
+    sunk = problem.asked[1] < problem.physics.radius - EXACT
     status = jnp.where(meets, jnp.where(sunk, IN_GROUND, OK), reason)
-    lift = task.target[1] - (task.asked[1] - task.physics.radius)
+    lift = problem.target[1] - (problem.asked[1] - problem.physics.radius)
     lifted = jnp.stack([jnp.zeros_like(lift), lift, jnp.zeros_like(lift)])
     nothing = jnp.where(finite, 0.0, jnp.nan)
-    rest = jnp.stack([task.start[0], task.physics.radius, task.start[2]])
-    arrival = rest + task.target + updated.miss
+    rest = jnp.stack([problem.start[0], problem.physics.radius, problem.start[2]])
+    arrival = rest + problem.target + updated.miss
     return Aim(
         velocity=updated.launch.velocity + nothing,
         time=updated.launch.time + nothing,

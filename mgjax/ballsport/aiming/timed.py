@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from mgjax.ballsport.aiming.passes import aim_batch
-from mgjax.ballsport.aiming.problem import Launch, arrive, clears_net, make_task
+from mgjax.ballsport.aiming.problem import Launch, arrive, clears_net, make_problem
 from mgjax.ballsport.ball.physics import BallPhysics, Net
 from mgjax.core.arrays import Array
 from mgjax.core.xla.padding import bucket_size, pad_axis
@@ -45,9 +45,9 @@ def aim_timed(
     Degenerate: a launch that does not meet its target is as ``aim_batch`` left it.
     """
     count, size = len(starts), bucket_size(len(starts), SIZE)
-    given = starts, targets, times, guesses
-    items = [pad_axis(np.asarray(x, np.float32), size) for x in given]
-    found = aim_batch(
+    passes = starts, targets, times, guesses
+    items = [pad_axis(np.asarray(x, np.float32), size) for x in passes]
+    aims = aim_batch(
         items[0],
         items[1],
         bounces=bounces,
@@ -58,10 +58,10 @@ def aim_timed(
         flight_times=items[2],
         time_weight=_WEIGHT,
     )
-    items = (*items[:3], np.asarray(found.velocity))
+    items = (*items[:3], np.asarray(aims.velocity))
     velocity, met = _pinned(*items, (max_speed, net, physics), int(bounces))
     met = np.asarray(met)[:count]
-    return np.where(met[:, None], np.asarray(velocity)[:count], found.velocity[:count]), met
+    return np.where(met[:, None], np.asarray(velocity)[:count], aims.velocity[:count]), met
 
 
 @partial(jax.jit, static_argnames="bounces")
@@ -70,10 +70,10 @@ def _pinned(
 ) -> tuple[Array, Array]:
     def one(start: Array, target: Array, time: Array, guess: Array) -> tuple[Array, Array]:
         max_speed, net, physics = shared
-        task = make_task(start, target, guess, time, _WEIGHT, max_speed, net, physics)
+        problem = make_problem(start, target, guess, time, _WEIGHT, max_speed, net, physics)
 
         def miss(velocity: Array) -> tuple[Array, tuple[Array, Array]]:
-            return arrive(task, Launch(velocity, time), bounces)
+            return arrive(problem, Launch(velocity, time), bounces)
 
         def step(_: Array, velocity: Array) -> Array:
             slope, (off, _) = jax.jacfwd(miss, has_aux=True)(velocity)
@@ -83,6 +83,6 @@ def _pinned(
         _, (off, kept) = miss(velocity)
         speed = jnp.sqrt(jnp.sum(velocity**2))
         met = kept & (jnp.sum(off**2) <= _CLOSE**2) & (speed <= max_speed)
-        return velocity, met & clears_net(task, Launch(velocity, time), bounces)
+        return velocity, met & clears_net(problem, Launch(velocity, time), bounces)
 
     return jax.vmap(one)(starts, targets, times, velocities)

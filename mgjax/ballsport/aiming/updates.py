@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Bool, Float, Int
 
-from mgjax.ballsport.aiming.problem import Launch, Task, arrive
+from mgjax.ballsport.aiming.problem import AimProblem, Launch, arrive
 from mgjax.core.arrays import Array
 
 MOST_UPDATES = 16
@@ -47,7 +47,7 @@ class _State(NamedTuple):
 
 
 def differential_updates(
-    task: Task, launch: Launch, bounces: int, most: int | Int[Array, ""] = MOST_UPDATES
+    problem: AimProblem, launch: Launch, bounces: int, most: int | Int[Array, ""] = MOST_UPDATES
 ) -> Updated:
     """Changes a launch until the ball meets the target (Choi et al. 2019, eqs 7–8).
 
@@ -57,7 +57,7 @@ def differential_updates(
     kept; after a step it is 1 again.
 
     Args:
-        task: what is asked.
+        problem: what is asked.
         launch: where to begin.
         bounces: wanted.
         most: trials.
@@ -65,7 +65,7 @@ def differential_updates(
     inverse = jnp.array([1.0, 1.0, 1.0, SECOND**-2], jnp.float32)
 
     def missed(x: Array) -> tuple[Array, tuple[Array, Array]]:
-        return arrive(task, Launch(x[:3], x[3]), bounces)
+        return arrive(problem, Launch(x[:3], x[3]), bounces)
 
     linearised = jax.jacfwd(missed, has_aux=True)
 

@@ -13,13 +13,11 @@ from jaxtyping import Float
 
 from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
 from mgjax.core.arrays import Array
+from mgjax.core.ballistics import drag_integrals
 from mgjax.core.xla.pytree import register
 
 register("drag_law")(BallPhysics)
 register()(Net)
-
-_SERIES_BELOW = 0.5
-"""drag · t below which the integrals of the decay are taken from their series."""
 
 _RK4_STEPS = 48
 """Steps of the integrator in one flight with quadratic drag, whatever its duration."""
@@ -29,29 +27,8 @@ _NEWTON_STEPS = 6
 
 
 def traced(physics: BallPhysics) -> BallPhysics:
-    """The same physics with its numbers as float32 arrays."""
+    """The physics with its numbers as float32 arrays."""
     return jax.tree.map(lambda x: jnp.asarray(x, jnp.float32), physics)
-
-
-def decay(t: Float[Array, "*n"], drag: Float[Array, "*m"]) -> tuple[Array, Array, Array]:
-    """e^(−drag t) and its first and second integral from 0 to t, also for drag = 0.
-
-    With linear drag v(t) = v₀ e₀ − g e₁ and x(t) = x₀ + v₀ e₁ − g e₂.
-    """
-    x = drag * t
-    small = jnp.abs(x) < _SERIES_BELOW
-    near = jnp.where(small, x, 0.0)
-    series = jnp.full_like(near, 1 / 362880)  # Σ (−x)^k / (k+2)!, from the smallest term on
-    for factor in (40320, 5040, 720, 120, 24, 6, 2):
-        series = 1 / factor - near * series
-    e2 = t * t * series
-    e1 = t - drag * e2
-    e0 = 1 - drag * e1
-    per_drag = 1 / jnp.where(drag > 1e-6, drag, 1.0)  # one division, whatever the number of times
-    f0 = jnp.exp(-jnp.where(small, 0.0, x))
-    f1 = (1 - f0) * per_drag
-    f2 = (t - f1) * per_drag
-    return jnp.where(small, e0, f0), jnp.where(small, e1, f1), jnp.where(small, e2, f2)
 
 
 def free_flight(
@@ -60,7 +37,7 @@ def free_flight(
     """Displacement and velocity after ``t`` seconds without ground (eqs 3–4)."""
     down = jnp.stack([jnp.zeros_like(t), physics.gravity * jnp.ones_like(t), jnp.zeros_like(t)])
     if physics.drag_law == "linear":
-        e0, e1, e2 = decay(t, physics.drag)
+        e0, e1, e2 = drag_integrals(t, physics.drag)
         return velocity * e1 - down * e2, velocity * e0 - down * e1
     return _integrate(velocity, t, down, physics.drag)
 

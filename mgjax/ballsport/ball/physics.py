@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from numbers import Real
 from typing import Any, Literal, TypeAlias
 
 from mgjax.core.errors import ConfigError
+from mgjax.core.ranges import Ranges, check_ranges
 
 Number: TypeAlias = Any
 """A Python float, or a jax scalar: settings that are traced, so that sweeps and gradients go
 through them without a new compilation."""
 
-_RANGES: dict[str, tuple[float, float]] = {
+_PHYSICS: Ranges = {
     "gravity": (1e-3, 1e3),
     "drag": (0.0, 100.0),
     "restitution": (0.0, 1.0),
     "radius": (0.0, 10.0),
 }
-"""Smallest and largest value of each number of :class:`BallPhysics`."""
+_NET: Ranges = {
+    "x": (-1e6, 1e6),
+    "z": (-1e6, 1e6),
+    "heading": (-1e6, 1e6),
+    "height": (0.0, 100.0),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,8 +57,7 @@ class BallPhysics:
     drag_law: Literal["linear", "quadratic"] = "linear"
 
     def __post_init__(self) -> None:
-        for name, (low, high) in _RANGES.items():
-            check_number(name, getattr(self, name), low, high)
+        check_ranges(self, _PHYSICS)
         if self.drag_law not in ("linear", "quadratic"):
             raise ConfigError(f"got drag_law = {self.drag_law!r}, expected linear or quadratic")
 
@@ -78,15 +82,4 @@ class Net:
     height: Number = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("x", "z", "heading"):
-            check_number(name, getattr(self, name), -1e6, 1e6)
-        check_number("height", self.height, 0.0, 100.0)
-
-
-def check_number(name: str, value: Number, low: float, high: float) -> None:
-    """Raises :class:`ConfigError` unless ``value`` lies in the range, or is a jax array."""
-    if hasattr(value, "dtype") and not isinstance(value, Real):
-        return  # traced, or an array that a sweep goes over
-    ok = isinstance(value, Real) and not isinstance(value, bool)
-    if not (ok and low <= float(value) <= high):
-        raise ConfigError(f"got {name} = {value!r}, expected {low:g} … {high:g}")
+        check_ranges(self, _NET)

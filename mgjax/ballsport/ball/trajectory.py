@@ -101,8 +101,8 @@ def _arcs(
 
     def arc(state: tuple[Array, Array, Array], _: None) -> tuple[tuple, tuple]:
         t, p, v = state
-        lasts, p2, v2 = next_arc(p, v, physics)
-        return (t + lasts, p2, v2), state
+        duration, p2, v2 = next_arc(p, v, physics)
+        return (t + duration, p2, v2), state
 
     (t, p, v), before = lax.scan(arc, start, None, length=BOUNCES + 1)
     rolling = t, p, v.at[1].set(0.0)

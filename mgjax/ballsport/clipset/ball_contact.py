@@ -8,10 +8,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from mgjax.ballsport.clipset.build import ClipSet
+from mgjax.ballsport.config import hit_bone
 from mgjax.core import planar
-
-BONE_RADII = {"foot": 0.06, "hand": 0.05, "head": 0.09}
-"""Radius of a hit bone's surface about its joint, m: a ball is met by a sphere of this size."""
 
 SLOWEST = 0.35
 """Share of the largest speed in S_B below which a frame does not hit: the bone has no direction."""
@@ -41,11 +39,6 @@ class Contacts:
     mask: Bool[np.ndarray, " F"]
 
 
-def bone_radius(bone: str) -> float:
-    """Radius of a hit bone such as ``"left_foot"``, m."""
-    return BONE_RADII[bone.split("_")[-1]]
-
-
 def contacts(clips: ClipSet, hit: int, ball_radius: float) -> Contacts:
     """Where the ball's centre is if hit in each frame of S_B: ahead of the bone, surfaces touching.
 
@@ -55,7 +48,7 @@ def contacts(clips: ClipSet, hit: int, ball_radius: float) -> Contacts:
     path, velocity = clips.bone_path(hit)
     path, velocity = np.asarray(path, np.float64), np.asarray(velocity, np.float64)
     speed = np.linalg.norm(velocity, axis=1)
-    reach = ball_radius + bone_radius(clips.hit_bone[hit])
+    reach = ball_radius + hit_bone(clips.hit_bone[hit]).radius_m
     normal = velocity / np.maximum(speed, 1e-9)[:, None]
     # sin of the elevation that keeps the ball off the ground; a bone below it cannot hit.
     lowest = (ball_radius + SPARE_M - path[:, 1]) / reach

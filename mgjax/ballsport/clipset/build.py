@@ -8,23 +8,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from mgjax.ballsport.config import KINDS, ClipSetConfig, KindConfig
+from mgjax.ballsport.config import KINDS, ClipSetConfig, KindConfig, validate_clip_set
 from mgjax.ballsport.hits.bones import BoneHit, analyse
-from mgjax.ballsport.hits.detect import hit_joint, links, validate_analysis
+from mgjax.ballsport.hits.detect import hit_joint, links
 from mgjax.ballsport.hits.motion_vectors import MotionVectors, leg_length, stack
 from mgjax.clips.oddities import first_clean_frame
 from mgjax.clips.retarget import retarget
 from mgjax.clips.synthetic_kicks import synthetic_kicks
 from mgjax.clips.types import Clip, Labels
-from mgjax.core import planar
 from mgjax.core.errors import MotionError
 from mgjax.core.kinematics import global_positions, joint_velocities, planar_frames
 from mgjax.core.motion import Motion, cut, mirror, resample
 from mgjax.core.skeleton import Skeleton
 
 NO_LINK = -1
-HEADINGS = np.radians(np.arange(-135.0, 181.0, 45.0))
-"""Directions in which every hit can be played, by turning it about the vertical, rad (§3)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -92,7 +89,7 @@ class ClipSet:
 
     @property
     def leg_length(self) -> float:
-        """Of the skeleton, m: what a live motion is scaled to."""
+        """Length of the skeleton's legs, to which a live motion is scaled, m."""
         return leg_length(self.skeleton)
 
     def bone_path(self, hit: int) -> tuple[np.ndarray, np.ndarray]:
@@ -103,16 +100,6 @@ class ClipSet:
         velocity = joint_velocities(path[:, None], self.motion.frame_rate)[:, 0]
         part = slice(int(self.ball_starts[hit]) - first, int(self.ball_stops[hit]) - first)
         return path[part], np.asarray(velocity)[part]
-
-    def turned(self, hit: int, heading: int) -> Float[np.ndarray, "3"]:
-        """The planar transform that turns a hit to one of :data:`HEADINGS`.
-
-        It maps the coordinates of the hit's clip to those in which the body at the first frame of
-        S_H stands over the origin and faces the heading.
-        """
-        face = np.array([HEADINGS[heading], 0.0, 0.0])
-        plane = self.planes[self.hit_starts[hit]].astype(np.float64)
-        return np.asarray(planar.compose(face, planar.inverse(plane)))
 
 
 def build_clip_set(
@@ -141,7 +128,7 @@ def build_clip_set(
         ConfigError: a threshold that cannot be.
     """
     config = config or ClipSetConfig()
-    validate_analysis(config.analysis)
+    validate_clip_set(config)
     made, known = synthetic_kicks(seed=seed, frame_rate=config.frame_rate, takes=takes)
     skeleton = made[0].skeleton
     known = {**known, **(labels or {})}
@@ -155,11 +142,11 @@ def build_clip_set(
     rows: list[_Row] = []
     spans: list[list[tuple[int, int]]] = []
     for number, (name, motion, label_name, captured) in enumerate(parts):
-        found = _hits_of(skeleton, motion, number, known.get(label_name, ()), config)
-        if captured and not found:
+        hits = _hits_of(skeleton, motion, number, known.get(label_name, ()), config)
+        if captured and not hits:
             notes.append(f"{name}: no hit in it, all of it is link motion")
-        rows += found
-        spans.append(links([row.found.hit for row in found], motion.num_frames))
+        rows += hits
+        spans.append(links([row.bone_hit.hit for row in hits], motion.num_frames))
     made_rows = sum(row.clip < len(made) for row in rows)
     if made_rows == 0 or (clips and made_rows == len(rows)):
         where = "captured" if made_rows else "embedded"
@@ -179,7 +166,7 @@ def kind_of(v_max: float, config: KindConfig) -> str:
 @dataclass(frozen=True, kw_only=True)
 class _Row:
     clip: int
-    found: BoneHit
+    bone_hit: BoneHit
     kind: str
     labelled: bool
 
@@ -198,15 +185,15 @@ def _hits_of(
 ) -> list[_Row]:
     """All hits of one clip, in order of time."""
     positions = np.asarray(global_positions(skeleton, motion))
-    found = analyse(
+    hits = analyse(
         skeleton, positions, motion.frame_rate, bones=config.bones, config=config.analysis
     )
     rows: list[_Row] = []
-    for item in found:
+    for item in hits:
         at = item.hit.fastest / motion.frame_rate
-        given = [x.kind for x in labels if x.start_s <= at < x.end_s and x.kind in KINDS]
-        kind = given[0] if given else kind_of(float(item.vector.v_max), config.kinds)
-        rows.append(_Row(clip=clip, found=item, kind=kind, labelled=bool(given)))
+        kinds = [x.kind for x in labels if x.start_s <= at < x.end_s and x.kind in KINDS]
+        kind = kinds[0] if kinds else kind_of(float(item.vector.v_max), config.kinds)
+        rows.append(_Row(clip=clip, bone_hit=item, kind=kind, labelled=bool(kinds)))
     return rows
 
 
@@ -232,7 +219,7 @@ def _assemble(
     link_ranges += starts[link_clip][:, None]
 
     def frames(name: str) -> np.ndarray:
-        return first + np.array([getattr(row.found.hit, name) for row in rows], np.int64)
+        return first + np.array([getattr(row.bone_hit.hit, name) for row in rows], np.int64)
 
     hit_starts, hit_stops = frames("start"), frames("stop")
     before = [_place(link_ranges[:, 1] == f) for f in hit_starts]
@@ -246,8 +233,8 @@ def _assemble(
         clip_starts=starts,
         clip_stops=stops,
         hit_clip=np.array([row.clip for row in rows], np.int64),
-        hit_bone=tuple(row.found.bone for row in rows),
-        hit_joint=np.array([hit_joint(skeleton, row.found.bone) for row in rows], np.int64),
+        hit_bone=tuple(row.bone_hit.bone for row in rows),
+        hit_joint=np.array([hit_joint(skeleton, row.bone_hit.bone) for row in rows], np.int64),
         hit_kind=tuple(row.kind for row in rows),
         labelled=np.array([row.labelled for row in rows], bool),
         highest=frames("top"),
@@ -257,8 +244,8 @@ def _assemble(
         hit_starts=hit_starts,
         hit_stops=hit_stops,
         hit_keys=first[:, None]
-        + np.array([row.found.hit.key_frames for row in rows], np.int64).reshape(-1, 5),
-        vectors=stack([row.found.vector for row in rows]),
+        + np.array([row.bone_hit.hit.key_frames for row in rows], np.int64).reshape(-1, 5),
+        vectors=stack([row.bone_hit.vector for row in rows]),
         link_before=np.array(before, np.int64),
         link_after=np.array(after, np.int64),
         link_clip=link_clip,
@@ -268,6 +255,6 @@ def _assemble(
     )
 
 
-def _place(found: np.ndarray) -> int:
+def _place(mask: np.ndarray) -> int:
     """Where the one true entry is, or ``NO_LINK``."""
-    return int(np.argmax(found)) if found.any() else NO_LINK
+    return int(np.argmax(mask)) if mask.any() else NO_LINK

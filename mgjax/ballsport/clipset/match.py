@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from mgjax.ballsport.clipset.build import ClipSet
-from mgjax.ballsport.config import MatchConfig
+from mgjax.ballsport.config import MatchConfig, validate_match
 from mgjax.ballsport.hits.motion_vectors import MotionVectors, scaled
 from mgjax.core.arrays import Array
-from mgjax.core.errors import ConfigError, MotionError
+from mgjax.core.errors import MotionError
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register
 
@@ -105,23 +105,19 @@ def nearest(
     """
 
     def one(vector: MotionVectors) -> tuple[Array, Array]:
-        found = distances(vector, stored, weights)
-        least = jnp.min(found)
+        values = distances(vector, stored, weights)
+        least = jnp.min(values)
         # Much faster than an argmin on this backend: the first place that holds the minimum.
-        place = jnp.arange(found.shape[0], dtype=jnp.int32)
-        return jnp.min(jnp.where(found == least, place, found.shape[0] - 1)), least
+        place = jnp.arange(values.shape[0], dtype=jnp.int32)
+        return jnp.min(jnp.where(values == least, place, values.shape[0] - 1)), least
 
     return one(live) if jnp.ndim(live.v_max) == 0 else jax.vmap(one)(live)
 
 
 def match_weights(config: MatchConfig) -> Float[np.ndarray, "3"]:
     """The weights as an array; :class:`ConfigError` unless they are usable."""
-    weights = np.array([config.w_v, config.w_m, config.w_t], np.float32)
-    if not (np.isfinite(weights).all() and weights.min() >= 0 and weights.max() > 0):
-        raise ConfigError(
-            f"w_v, w_m and w_t are {weights.tolist()}, expected numbers of at least 0, one above 0"
-        )
-    return weights
+    validate_match(config)
+    return np.array([config.w_v, config.w_m, config.w_t], np.float32)
 
 
 class Matcher:

@@ -78,8 +78,8 @@ class Repertoire:
         """The planar transform of what is arrived at, in the coordinates of what is left."""
         places, w = self.clips.positions, self.window
         even = np.full(places.shape[1], 1 / places.shape[1], np.float32)
-        found = _align(places[leave : leave + w], places[arrive : arrive + w], even)
-        return np.asarray(found, np.float64)
+        transform = _align(places[leave : leave + w], places[arrive : arrive + w], even)
+        return np.asarray(transform, np.float64)
 
 
 def make_repertoire(
@@ -92,12 +92,12 @@ def make_repertoire(
     """
     transition = transition or TransitionConfig()
     window = round(transition.seconds * clips.motion.frame_rate)
-    whole, turns, rest = _with_turns(clips, window, seed)
+    extended, turns, rest = _with_turns(clips, window, seed)
     spans = _runs(clips, window)
     spans[NO_LINK] = rest
-    parts = [(run, *part) for run, span in spans.items() for part in _parts(span, window, whole)]
+    parts = [(run, *part) for run, span in spans.items() for part in _parts(span, window, extended)]
     runs, starts, stops = (np.array(x, np.int64) for x in zip(*parts, strict=True))
-    cut = replace(whole, link_clip=0 * runs, link_starts=starts, link_stops=stops)
+    cut = replace(extended, link_clip=0 * runs, link_starts=starts, link_stops=stops)
     table = find_transitions(cut, transition)
     before = {
         hit: np.flatnonzero((runs == clips.link_before[hit]) & (stops <= clips.hit_starts[hit]))
@@ -108,7 +108,7 @@ def make_repertoire(
     if not usable:
         raise MotionError("got no hit between two link motions, expected at least one")
     return Repertoire(
-        clips=whole,
+        clips=extended,
         window=window,
         starts=starts,
         stops=stops,
@@ -151,7 +151,7 @@ def _with_turns(
     places = np.asarray(global_positions(clips.skeleton, more))
     planes = np.asarray(planar_frames(clips.skeleton, places))
     old = clips.motion
-    whole = replace(
+    extended = replace(
         clips,
         motion=replace(
             old,
@@ -165,7 +165,7 @@ def _with_turns(
         clip_stops=np.concatenate([clips.clip_stops, stops]),
     )
     ranges = [(int(a), int(b)) for a, b in zip(starts, stops, strict=True)]
-    return whole, dict(zip(angles, ranges, strict=False)), ranges[-1]
+    return extended, dict(zip(angles, ranges, strict=False)), ranges[-1]
 
 
 def _usable(clips: ClipSet, window: int) -> list[int]:

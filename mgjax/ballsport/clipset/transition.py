@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.ballsport.clipset.build import ClipSet
-from mgjax.ballsport.config import TransitionConfig
+from mgjax.ballsport.config import TransitionConfig, validate_transition
 from mgjax.core import planar
 from mgjax.core.arrays import Array
 from mgjax.core.contacts import foot_joints
@@ -23,8 +23,8 @@ from mgjax.core.xla.padding import bucket_size
 NO_SECTION = -1
 """In a table: the link motion is shorter than the section."""
 BONES = 5
-_TILE = 16
-"""Windows are searched in squares of this size; every link begins a new one."""
+_SQUARE = 16
+"""Windows are searched in squares of this side; every link begins a new one."""
 _SIZE = 2048
 """The axis of frames is padded to a multiple of this; the time grows with its square."""
 _ROWS = 128
@@ -83,12 +83,12 @@ def find_transitions(clips: ClipSet, config: TransitionConfig | None = None) -> 
     config = config or TransitionConfig()
     window, loop = _frames(config, clips.motion.frame_rate)
     lengths = clips.link_stops - clips.link_starts
-    tiles = -(-lengths // _TILE)
+    tiles = -(-lengths // _SQUARE)
     links = bucket_size(len(lengths), 64)
-    size = -(-(int(tiles.sum()) * _TILE + window) // _SIZE) * _SIZE
-    owner = np.full(size // _TILE, links, np.int32)
+    size = -(-(int(tiles.sum()) * _SQUARE + window) // _SIZE) * _SIZE
+    owner = np.full(size // _SQUARE, links, np.int32)
     owner[: tiles.sum()] = np.repeat(np.arange(len(lengths)), tiles)
-    first = _TILE * (np.cumsum(tiles) - tiles)
+    first = _SQUARE * (np.cumsum(tiles) - tiles)
     frames = np.full(size, NO_SECTION, np.int32)
     valid = np.zeros(size, bool)
     for start, length, place in zip(clips.link_starts, lengths, first, strict=True):
@@ -101,26 +101,19 @@ def find_transitions(clips: ClipSet, config: TransitionConfig | None = None) -> 
     )
     count = len(lengths)
     distance = np.asarray(distance)[:count, :count]
-    found = np.isfinite(distance)
+    exists = np.isfinite(distance)
     picked = [np.asarray(x)[:count, :count] for x in (row, column)]
-    leave, arrive = (np.where(found, frames[np.where(found, x, 0)], NO_SECTION) for x in picked)
+    leave, arrive = (np.where(exists, frames[np.where(exists, x, 0)], NO_SECTION) for x in picked)
     return TransitionTable(window=window, distance=distance, leave=leave, arrive=arrive)
 
 
 def _frames(config: TransitionConfig, frame_rate: float) -> tuple[int, int]:
     """Frames of a section and of the shortest loop."""
-    weights = np.array([*config.w_p, *config.w_v])
-    if not (np.isfinite(weights).all() and weights.min() >= 0 and weights.max() > 0):
-        raise ConfigError(
-            f"w_p and w_v are {weights.tolist()}, expected numbers of at least 0, one above 0"
-        )
-    if not 0 <= config.loop_s < np.inf:
-        raise ConfigError(f"loop_s is {config.loop_s}, expected a finite number of at least 0")
-    window = round(config.seconds * frame_rate) if 0 < config.seconds < 60 else 0
+    validate_transition(config)
+    window = round(config.seconds * frame_rate)
     if window < 2:
         raise ConfigError(
-            f"seconds is {config.seconds}, expected at least two frames of 1/{frame_rate:g} s and"
-            " less than 60 s"
+            f"got seconds = {config.seconds!r}, expected at least two frames of 1/{frame_rate:g} s"
         )
     return window, max(1, round(config.loop_s * frame_rate))
 
@@ -167,11 +160,11 @@ def _search(
     """Smallest sums and where they are, [links, links] each; first by tiles, then inside them."""
     size, more = features.shape[-1], window - 1
     padded = jnp.pad(features, [(0, 0), (0, 0), (0, more)])
-    mine = jnp.repeat(owner, _TILE)
+    owners = jnp.repeat(owner, _SQUARE)
     place = jnp.arange(size, dtype=jnp.int32)
 
     def allowed(rows: Array, columns: Array) -> Array:
-        same = mine[rows][:, None] == mine[columns][None]
+        same = owners[rows][:, None] == owners[columns][None]
         back = columns[None] <= rows[:, None] - loop
         return valid[rows][:, None] & valid[columns][None] & (~same | back)
 
@@ -188,13 +181,13 @@ def _search(
         rows = first + place[:_ROWS]
 
         def least() -> Array:
-            tiles = sums(rows, place).reshape(_ROWS // _TILE, _TILE, size // _TILE, _TILE)
+            tiles = sums(rows, place).reshape(_ROWS // _SQUARE, _SQUARE, size // _SQUARE, _SQUARE)
             return jnp.min(jnp.min(tiles, axis=1), axis=-1)
 
-        none = jnp.full((_ROWS // _TILE, size // _TILE), jnp.inf, jnp.float32)
+        none = jnp.full((_ROWS // _SQUARE, size // _SQUARE), jnp.inf, jnp.float32)
         return jax.lax.cond(jnp.any(valid[rows]), least, lambda: none)
 
-    grid = jax.lax.map(block, place[::_ROWS]).reshape(size // _TILE, size // _TILE)
+    grid = jax.lax.map(block, place[::_ROWS]).reshape(size // _SQUARE, size // _SQUARE)
     best = jax.ops.segment_min(grid, owner, links, indices_are_sorted=True)
     best = jax.ops.segment_min(best.T, owner, links, indices_are_sorted=True).T
     # The first tile that holds the smallest sum of its pair of links.
@@ -206,13 +199,13 @@ def _search(
     first = jnp.clip(first, 0, grid.size - 1)
 
     def look(tile: Array) -> tuple[Array, Array, Array]:
-        rows = tile // grid.shape[1] * _TILE + place[:_TILE]
-        columns = tile % grid.shape[1] * _TILE + place[:_TILE]
+        rows = tile // grid.shape[1] * _SQUARE + place[:_SQUARE]
+        columns = tile % grid.shape[1] * _SQUARE + place[:_SQUARE]
         total = sums(rows, columns).reshape(-1)
         at = jnp.argmin(total).astype(jnp.int32)
-        return total[at], rows[at // _TILE], columns[at % _TILE]
+        return total[at], rows[at // _SQUARE], columns[at % _SQUARE]
 
     # Each tile's own sums decide, so that one rounding holds for values and places.
-    found = jax.lax.map(look, first, batch_size=256)
-    value, row, column = (x.reshape(links, links) for x in found)
+    best_inside = jax.lax.map(look, first, batch_size=256)
+    value, row, column = (x.reshape(links, links) for x in best_inside)
     return jnp.where(jnp.isfinite(best), value, jnp.inf), row, column

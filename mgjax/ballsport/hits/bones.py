@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.ballsport.config import FEET, AnalysisConfig
-from mgjax.ballsport.hits.detect import Hit, hit_joint, mark, sections, validate_analysis
+from mgjax.ballsport.config import FEET, AnalysisConfig, validate_analysis
+from mgjax.ballsport.hits.detect import Hit, hit_joint, mark, sections
 from mgjax.ballsport.hits.motion_vectors import MotionVectors, motion_vector
 from mgjax.ballsport.hits.smoothing import half_width
 from mgjax.ballsport.hits.stream import HitStream
@@ -54,18 +54,27 @@ def analyse(
     config = config or AnalysisConfig()
     validate_analysis(config)
     planes = np.asarray(planar_frames(skeleton, positions))
-    found: list[BoneHit] = []
+    hits: list[BoneHit] = []
     for bone in bones:
         path = np.asarray(positions[:, hit_joint(skeleton, bone)], np.float64)
         for hit in sections(mark(path, frame_rate, config), frame_rate, config):
             heading = float(planes[hit.start, 0])
             vector = motion_vector(hit, path, heading, frame_rate, config)
-            found.append(BoneHit(bone=bone, hit=hit, vector=vector))
-    return sorted(found, key=lambda x: x.hit.start)
+            hits.append(BoneHit(bone=bone, hit=hit, vector=vector))
+    return sorted(hits, key=lambda x: x.hit.start)
 
 
 class LiveAnalysis:
-    """The same hits, each as soon as it is certain; see :class:`HitStream` for the delay."""
+    """Finds the hits of all bones live, each as soon as it is certain.
+
+    In the end they are those of :func:`analyse`; see :class:`HitStream` for the delay.
+
+    Args:
+        skeleton: of the body.
+        frame_rate: frames per second.
+        bones: what can hit.
+        config: thresholds.
+    """
 
     def __init__(
         self,
@@ -113,10 +122,10 @@ class LiveAnalysis:
         """The stream is over: the hits that were still open."""
         return self._collect({bone: stream.finish() for bone, stream in self._streams.items()})
 
-    def _collect(self, found: dict[str, list[Hit]]) -> list[BoneHit]:
+    def _collect(self, new_hits: dict[str, list[Hit]]) -> list[BoneHit]:
         hits = [
             BoneHit(bone=bone, hit=hit, vector=self._vector(bone, hit))
-            for bone, new in found.items()
+            for bone, new in new_hits.items()
             for hit in new
         ]
         return sorted(hits, key=lambda x: x.hit.start)

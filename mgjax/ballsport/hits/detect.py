@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from mgjax.ballsport.config import AnalysisConfig
+from mgjax.ballsport.config import AnalysisConfig, hit_bone, validate_analysis
 from mgjax.ballsport.hits.smoothing import smooth
-from mgjax.core.contacts import foot_joints
-from mgjax.core.errors import ConfigError, MotionError, SkeletonError
+from mgjax.core.errors import MotionError
 from mgjax.core.kinematics import joint_velocities
 from mgjax.core.skeleton import Skeleton, find_role, require_roles
 
@@ -51,7 +50,7 @@ class Hit:
         return self.start, before, self.top, last if self.after == NO_FRAME else self.after, last
 
     def shifted(self, frames: int) -> Hit:
-        """The same hit on an axis of frames that begins earlier by so many."""
+        """The hit on an axis of frames that begins earlier by so many."""
         moved = {
             name: value if value == NO_FRAME else value + frames
             for name, value in vars(self).items()
@@ -78,31 +77,20 @@ class Marks:
 
 
 def hit_joint(skeleton: Skeleton, bone: str) -> int:
-    """The joint whose path is that of a hit bone.
+    """The joint whose path is that of a hit bone; see :class:`mgjax.ballsport.config.HitBone`.
 
-    ``left_foot`` and ``right_foot``: the ball of the foot; ``left_hand`` and ``right_hand``: the
-    fingers, or the wrist where there are none; ``head``: the end of the head, or the head.
+    Raises:
+        SkeletonError: no such hit bone, or the skeleton has no joint for it.
     """
-    side, _, part = bone.partition("_")
-    if side in ("left", "right") and part == "foot":
-        return foot_joints(skeleton)[side == "right"]
-    if side in ("left", "right") and part == "hand":
-        joint = find_role(skeleton, bone)
-        return require_roles(skeleton, (f"{side}_wrist",))[0] if joint is None else joint
-    if bone == "head":
-        (head,) = require_roles(skeleton, ("head",))
-        return next((j for j in skeleton.end_joints if skeleton.parents[j] == head), head)
-    raise SkeletonError(f"got the hit bone {bone!r}, expected a foot, a hand or the head")
-
-
-def validate_analysis(config: AnalysisConfig) -> None:
-    """Raises :class:`ConfigError` unless all thresholds are usable."""
-    for name in ("merge_s", "reach_s", "margin_m", "smoothing_s"):
-        value = getattr(config, name)
-        if not 0 <= value < np.inf:
-            raise ConfigError(f"{name} is {value}, expected a finite number of at least 0")
-    if not np.isfinite(config.height_m):
-        raise ConfigError(f"height_m is {config.height_m}, expected a finite number")
+    row = hit_bone(bone)
+    for role in row.roles[:-1]:
+        joint = find_role(skeleton, role)
+        if joint is not None:
+            return joint
+    (last,) = require_roles(skeleton, row.roles[-1:])
+    if not row.at_end:
+        return last
+    return next((j for j in skeleton.end_joints if skeleton.parents[j] == last), last)
 
 
 def mark(positions: Float[np.ndarray, "F 3"], frame_rate: float, config: AnalysisConfig) -> Marks:
@@ -122,11 +110,11 @@ def mark(positions: Float[np.ndarray, "F 3"], frame_rate: float, config: Analysi
     ripples = _maxima(speed)
     # How many F_H lie at or before each F_S: equal numbers mean that none lies between.
     passed = np.searchsorted(highest, ripples, side="left")
-    apart = np.abs(ripples[:, None] - ripples[None])
+    distance = np.abs(ripples[:, None] - ripples[None])
     stronger = (speed[ripples][None] > speed[ripples][:, None]) | (
         (speed[ripples][None] == speed[ripples][:, None]) & (ripples[None] < ripples[:, None])
     )
-    near = (apart < config.merge_s * frame_rate - 1e-6) & (passed[:, None] == passed[None])
+    near = (distance < config.merge_s * frame_rate - 1e-6) & (passed[:, None] == passed[None])
     return Marks(
         height=height,
         speed=speed,

@@ -18,9 +18,6 @@ from mgjax.core.kinematics import joint_velocities
 from mgjax.core.skeleton import Skeleton, require_roles, rest_positions
 from mgjax.core.xla.pytree import register
 
-LEGS = 4
-"""Displacements between five key poses."""
-
 
 @register()
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +75,7 @@ def stack(vectors: Sequence[MotionVectors]) -> MotionVectors:
 
 
 def scaled(vectors: MotionVectors, ratio: float) -> MotionVectors:
-    """The same motion by a body whose legs are ``ratio`` times as long, in the same time."""
+    """The vectors of a body whose legs are ``ratio`` times as long and that takes as much time."""
     return replace(
         vectors,
         displacements=vectors.displacements * np.float32(ratio),

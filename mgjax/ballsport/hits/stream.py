@@ -1,12 +1,12 @@
-"""The same hits from a stream: frame by frame, each one as soon as nothing can change it."""
+"""Hits found in a stream: frame by frame, each one given out as soon as nothing can change it."""
 
 from __future__ import annotations
 
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.ballsport.config import AnalysisConfig
-from mgjax.ballsport.hits.detect import NO_FRAME, Hit, Marks, mark, sections, validate_analysis
+from mgjax.ballsport.config import AnalysisConfig, validate_analysis
+from mgjax.ballsport.hits.detect import NO_FRAME, Hit, Marks, mark, sections
 from mgjax.ballsport.hits.smoothing import half_width
 from mgjax.core.errors import MotionError
 
@@ -82,16 +82,16 @@ class HitStream:
         if len(self._places) < 3:
             return []
         marks = mark(np.array(self._places), self._rate, self._config)
-        given: list[Hit] = []
+        certain: list[Hit] = []
         for hit in sections(marks, self._rate, self._config):
             if self._first + hit.top <= self._last_given:
                 continue
             if certain_only and not self._certain(marks, hit):
                 break
-            given.append(hit.shifted(self._first))
-        if given:
-            self._last_given = given[-1].highest[-1]
-        return given
+            certain.append(hit.shifted(self._first))
+        if certain:
+            self._last_given = certain[-1].highest[-1]
+        return certain
 
     def _certain(self, marks: Marks, hit: Hit) -> bool:
         """No later frame can change the hit, or add an F_H to it."""
@@ -104,7 +104,7 @@ class HitStream:
         ]
         for top in near:
             after = marks.fastest[marks.fastest > top]
-            found = len(after) > 0 and after[0] + self._merge <= known
-            if not found and top + self._reach + self._merge > known:
+            is_known = len(after) > 0 and after[0] + self._merge <= known
+            if not is_known and top + self._reach + self._merge > known:
                 return False
         return True

@@ -6,10 +6,11 @@ from collections import deque
 from collections.abc import Iterator
 
 from mgjax.ballsport.clipset.repertoire import Repertoire
+from mgjax.ballsport.config import AnalysisConfig, MatchConfig
 from mgjax.ballsport.live.recogniser import LiveDriver, PassDecision
 from mgjax.ballsport.scene.types import Asked
-from mgjax.sensor.frames import SensorFrame
-from mgjax.sensor.receiver import SensorReceiver
+from mgjax.sensor.clock import Clock, clock
+from mgjax.sensor.frames import FrameSource, SensorFrame
 
 
 class SensorChoice:
@@ -24,10 +25,28 @@ class SensorChoice:
         moves: of the scene; its hits are what live kicks are compared with.
         receiver: of the sensor.
         seconds: how long to listen in all.
+        analysis: how kicks are found.
+        match: how they are compared with the stored hits.
+        clock: that of the receiver.
+
+    Raises:
+        ConfigError: a threshold or weight that cannot be.
     """
 
-    def __init__(self, moves: Repertoire, receiver: SensorReceiver, seconds: float) -> None:
-        self._driver = LiveDriver(moves.clips)
+    def __init__(
+        self,
+        moves: Repertoire,
+        receiver: FrameSource,
+        seconds: float,
+        *,
+        analysis: AnalysisConfig | None = None,
+        match: MatchConfig | None = None,
+        clock: Clock = clock,
+    ) -> None:
+        bones = tuple(dict.fromkeys(moves.clips.hit_bone))
+        self._driver = LiveDriver(
+            moves.clips, bones=bones, analysis=analysis, match=match, clock=clock
+        )
         self._frames: Iterator[SensorFrame] = receiver.frames(seconds)
         self._waiting: deque[PassDecision] = deque()
         self._over = False

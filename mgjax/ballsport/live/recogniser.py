@@ -15,8 +15,8 @@ from mgjax.ballsport.config import FEET, AnalysisConfig, MatchConfig
 from mgjax.ballsport.hits.bones import BoneHit, LiveAnalysis
 from mgjax.ballsport.hits.motion_vectors import MotionVectors, leg_length
 from mgjax.core.errors import ConfigError
+from mgjax.sensor.clock import Clock, clock
 from mgjax.sensor.frames import SensorFrame
-from mgjax.sensor.receiver import clock
 
 _REMEMBERED = 4096
 """Frames whose arrival is known; a hit is over and decided long before."""
@@ -75,6 +75,7 @@ class LiveDriver:
         bones: what can hit; all of them have to be in the clip set.
         analysis: thresholds.
         match: weights of the comparison.
+        clock: the one that stamps arrivals.
 
     Raises:
         ConfigError: a bone that no stored hit hits with, or a threshold that cannot be.
@@ -87,7 +88,9 @@ class LiveDriver:
         bones: Sequence[str] = FEET,
         analysis: AnalysisConfig | None = None,
         match: MatchConfig | None = None,
+        clock: Clock = clock,
     ) -> None:
+        self._clock = clock
         self._clips, self._bones, self._config = clips, tuple(bones), analysis
         self._rate = clips.motion.frame_rate
         self._matcher = Matcher(clips, match)
@@ -124,16 +127,16 @@ class LiveDriver:
             if now.time_s > before.time_s:
                 part = (at - before.time_s) / (now.time_s - before.time_s)
             places = before.positions + part * (now.positions - before.positions)
-            found = self._analysis.push(places)
-            decided += [self._decide(hit, frame.arrival_s) for hit in found]
+            hits = self._analysis.push(places)
+            decided += [self._decide(hit, frame.arrival_s) for hit in hits]
         return decided
 
     def finish(self) -> list[PassDecision]:
         """The stream is over: what the kicks decide that were still open."""
         if self._analysis is None:
             return []
-        found, now = self._analysis.finish(), clock()
-        decided = [self._decide(hit, now) for hit in found]
+        hits, now = self._analysis.finish(), self._clock()
+        decided = [self._decide(hit, now) for hit in hits]
         self._analysis = None
         self._stream = -1
         return decided
@@ -148,19 +151,19 @@ class LiveDriver:
         self._newest = frame
         self._arrivals: deque[tuple[float, float]] = deque(maxlen=_REMEMBERED)
 
-    def _decide(self, found: BoneHit, arrival_s: float) -> PassDecision:
-        match = self._matcher.match(found.vector, found.bone, self._legs)
-        now = clock()
+    def _decide(self, kick: BoneHit, arrival_s: float) -> PassDecision:
+        match = self._matcher.match(kick.vector, kick.bone, self._legs)
+        now = self._clock()
         start, fastest, end = (
             self._origin + frame / self._rate
-            for frame in (found.hit.start, found.hit.fastest, found.hit.stop - 1)
+            for frame in (kick.hit.start, kick.hit.fastest, kick.hit.stop - 1)
         )
         return PassDecision(
-            bone=found.bone,
+            bone=kick.bone,
             kind=self._clips.hit_kind[match.hit],
             hit=match.hit,
             distance=match.distance,
-            speed_m_s=float(found.vector.v_max),
+            speed_m_s=float(kick.vector.v_max),
             start_s=start,
             fastest_s=fastest,
             end_s=end,

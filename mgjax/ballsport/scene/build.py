@@ -10,12 +10,11 @@ from jaxtyping import Float
 
 from mgjax.ballsport.clipset.build import build_clip_set
 from mgjax.ballsport.clipset.repertoire import Repertoire, make_repertoire
-from mgjax.ballsport.config import ClipSetConfig
-from mgjax.ballsport.scene.ball_track import BallTrack, track
+from mgjax.ballsport.scene.ball_track import BallTrack, track_ball
 from mgjax.ballsport.scene.config import SceneConfig, validate_scene
 from mgjax.ballsport.scene.gaze import look_at
 from mgjax.ballsport.scene.rally import Rally
-from mgjax.ballsport.scene.types import THROWN, Choose, Leg, Touch
+from mgjax.ballsport.scene.types import THROWN_IN, BallFlight, Choose, Touch
 from mgjax.clips.folder import load_clips
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion
@@ -32,8 +31,9 @@ class Scene:
         motions: of each player by name.
         positions: of their joints, m.
         touches: hits in order.
-        legs: the ball between them in order; the last belongs to the last touch and goes to nobody.
-        ends: by whom and to whom each leg goes, "" for nobody.
+        flights: the ball between them in order; the last belongs to the last touch and goes to
+            nobody.
+        ends: by whom and to whom each flight goes, "" for nobody.
         ball: its path.
         seams: of each player's motion, start and stop, s.
         turns: of each player on the spot: when, s, and how far, degrees.
@@ -44,7 +44,7 @@ class Scene:
     motions: Mapping[str, Motion]
     positions: Mapping[str, Float[np.ndarray, "F J 3"]]
     touches: tuple[Touch, ...]
-    legs: tuple[Leg, ...]
+    flights: tuple[BallFlight, ...]
     ends: tuple[tuple[str, str], ...]
     ball: BallTrack
     seams: Mapping[str, Float[np.ndarray, "S 2"]]
@@ -70,11 +70,16 @@ def prepare_scene(config: SceneConfig) -> Repertoire:
     clips = load_clips(config.clips, exclude=config.exclude)[0] if config.clips else []
     built = build_clip_set(
         clips,
-        config=ClipSetConfig(frame_rate=config.frame_rate),
+        config=config.clip_set,
         seed=config.seed,
         takes=config.takes,
     )
-    return make_repertoire(built, ball_radius=float(config.physics.radius), seed=config.seed)
+    return make_repertoire(
+        built,
+        ball_radius=float(config.physics.radius),
+        transition=config.transition,
+        seed=config.seed,
+    )
 
 
 def build_scene(
@@ -111,8 +116,8 @@ def build_scene(
 def finish_scene(rally: Rally) -> Scene:
     """The motion and the ball's path of all that a rally has planned."""
     config, moves, rate = rally.config, rally.moves, rally.rate
-    ends = tuple(_ends(rally, leg) for leg in rally.legs)
-    ball = track(rally.legs, ends, rate, config.physics)
+    ends = tuple(_ends(rally, flight) for flight in rally.flights)
+    ball = track_ball(rally.flights, ends, rate, config.physics)
     motions: dict[str, Motion] = {}
     seams: dict[str, np.ndarray] = {}
     for name, actor in rally.actors.items():
@@ -128,7 +133,7 @@ def finish_scene(rally: Rally) -> Scene:
             for name, motion in motions.items()
         },
         touches=tuple(rally.touches),
-        legs=tuple(rally.legs),
+        flights=tuple(rally.flights),
         ends=ends,
         ball=ball,
         seams=seams,
@@ -139,10 +144,10 @@ def finish_scene(rally: Rally) -> Scene:
     )
 
 
-def _ends(rally: Rally, leg: Leg) -> tuple[str, str]:
-    """By whom and to whom a leg goes."""
-    if leg.number != THROWN:
-        by = rally.order[leg.number]
-        return by, rally.order[leg.number + 1] if leg.number + 1 < len(rally.order) else ""
-    later = [touch for touch in rally.touches if touch.time == leg.stop]
+def _ends(rally: Rally, flight: BallFlight) -> tuple[str, str]:
+    """By whom and to whom a flight goes."""
+    if flight.number != THROWN_IN:
+        by = rally.order[flight.number]
+        return by, rally.order[flight.number + 1] if flight.number + 1 < len(rally.order) else ""
+    later = [touch for touch in rally.touches if touch.time == flight.stop]
     return "", later[0].player

@@ -7,10 +7,23 @@ from dataclasses import dataclass, field
 from itertools import combinations
 
 from mgjax.ballsport.ball.physics import BallPhysics, Net
-from mgjax.ballsport.config import HIT_BONES, KINDS
+from mgjax.ballsport.config import (
+    FEET,
+    HIT_BONES,
+    KINDS,
+    MAX_SPEED_M_S,
+    MOST_BOUNCES,
+    AnalysisConfig,
+    ClipSetConfig,
+    KindConfig,
+    MatchConfig,
+    TransitionConfig,
+    validate_clip_set,
+    validate_match,
+)
 from mgjax.core.errors import ConfigError
+from mgjax.core.ranges import Ranges, check_range, check_ranges
 
-MOST_BOUNCES = 4
 CLOSEST_M = 1.0
 """Least distance of two players: less than that and a leg swings through the other body."""
 
@@ -67,6 +80,11 @@ class SceneConfig:
         clips: folder with captured kicks; "": the embedded ones alone.
         exclude: glob patterns of captured clips to leave out.
         end_s: motion after the last hit, s.
+        bones: what can hit; the embedded kicks are those of feet.
+        analysis: how hits are found, in the clips and before the sensor.
+        kinds: what a captured hit counts as.
+        transition: how link motions are joined.
+        match: how a kick before the sensor is compared with the stored hits.
     """
 
     players: tuple[Player, ...] = ()
@@ -74,13 +92,39 @@ class SceneConfig:
     physics: BallPhysics = field(default_factory=BallPhysics)
     net: Net | None = None
     throw_in: tuple[float, float, float] | None = None
-    max_speed: float = 30.0
+    max_speed: float = MAX_SPEED_M_S
     frame_rate: float = 60.0
     seed: int = 0
     takes: int = 3
     clips: str = ""
     exclude: tuple[str, ...] = ()
     end_s: float = 2.0
+    bones: tuple[str, ...] = FEET
+    analysis: AnalysisConfig = field(default_factory=AnalysisConfig)
+    kinds: KindConfig = field(default_factory=KindConfig)
+    transition: TransitionConfig = field(default_factory=TransitionConfig)
+    match: MatchConfig = field(default_factory=MatchConfig)
+
+    @property
+    def clip_set(self) -> ClipSetConfig:
+        """What its clip set is made of."""
+        return ClipSetConfig(
+            frame_rate=self.frame_rate,
+            bones=self.bones,
+            analysis=self.analysis,
+            kinds=self.kinds,
+            transition=self.transition,
+        )
+
+
+_RANGES: Ranges = {
+    "max_speed": (1e-3, 100.0),
+    "frame_rate": (20.0, 240.0),
+    "takes": (1, 20),
+    "end_s": (0.0, 60.0),
+    "seed": (0, 2**32 - 1),
+}
+_PLACE_M = (-1000.0, 1000.0)
 
 
 def validate_scene(config: SceneConfig) -> None:
@@ -97,13 +141,13 @@ def validate_scene(config: SceneConfig) -> None:
         if names.count(name) > 1:
             raise ConfigError(f"got two players called {name!r}, expected different names")
     for player in config.players:
-        if not (abs(player.x) <= 1000 and abs(player.z) <= 1000):
-            raise ConfigError(f"got {player.name} at ({player.x}, {player.z}), expected ±1000 m")
+        check_ranges(player, {"x": _PLACE_M, "z": _PLACE_M}, f"{player.name}.")
     for a, b in combinations(config.players, 2):
-        apart = math.hypot(a.x - b.x, a.z - b.z)
-        if apart < CLOSEST_M:
+        distance = math.hypot(a.x - b.x, a.z - b.z)
+        if distance < CLOSEST_M:
             raise ConfigError(
-                f"got {a.name} and {b.name} {apart:.2f} m apart, expected at least {CLOSEST_M:g} m"
+                f"got {a.name} and {b.name} {distance:.2f} m apart,"
+                f" expected at least {CLOSEST_M:g} m"
             )
     before = None
     for number, item in enumerate(config.passes, 1):
@@ -132,18 +176,11 @@ def _validate_pass(item: Pass, number: int, names: list[str], before: Pass | Non
 
 
 def _validate_numbers(config: SceneConfig) -> None:
-    if not 0 < config.max_speed <= 100:
-        raise ConfigError(f"got max_speed = {config.max_speed}, expected 0 … 100 m/s")
-    if not 20 <= config.frame_rate <= 240:
-        raise ConfigError(f"got frame_rate = {config.frame_rate}, expected 20 … 240 per second")
-    if not 1 <= config.takes <= 20:
-        raise ConfigError(f"got takes = {config.takes}, expected 1 … 20")
-    if not 0 <= config.end_s <= 60:
-        raise ConfigError(f"got end_s = {config.end_s}, expected 0 … 60 s")
-    if not 0 <= config.seed < 2**32:
-        raise ConfigError(f"got seed = {config.seed}, expected a number of at least 0")
-    place = config.throw_in
-    if place is not None and not (
-        all(abs(x) <= 1000 for x in place) and place[1] >= config.physics.radius
-    ):
-        raise ConfigError(f"got throw_in = {place}, expected a place over the ground")
+    check_ranges(config, _RANGES)
+    validate_clip_set(config.clip_set)
+    validate_match(config.match, "match.")
+    if config.throw_in is not None:
+        low = float(config.physics.radius)  # else the ball lies in the ground
+        for name, value in zip("xyz", config.throw_in, strict=True):
+            bounds = (low, _PLACE_M[1]) if name == "y" else _PLACE_M
+            check_range(f"throw_in, {name}", value, *bounds)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 from mgjax.ballsport.ball.physics import Net
 from mgjax.ballsport.scene.config import Pass, Player, SceneConfig, validate_scene
-from mgjax.core.errors import ConfigError, FileFormatError, printable
+from mgjax.core.errors import ConfigError, printable
 from mgjax.io.settings import changed
-from mgjax.io.text import read_text
+from mgjax.io.toml_file import read_toml
 
 T = TypeVar("T")
 
@@ -24,17 +23,15 @@ def load_scene(path: str | Path) -> SceneConfig:
         ConfigError: an unknown key (the nearest known one is named), a value of another type or out
             of range, or a scene that cannot be begun.
     """
-    place = f"{printable(path)}: "
-    try:
-        document = tomllib.loads(read_text(path, "TOML"))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise FileFormatError(path, None, f"no TOML ({error})", "TOML") from None
+    place = printable(path)
+    _, document = read_toml(path)
     try:
         config = _structured(document, place)
         validate_scene(config)
     except ConfigError as error:
-        text = str(error)
-        raise ConfigError(text if text.startswith(place) else place + text) from None
+        if error.place:
+            raise
+        raise ConfigError(str(error), place=place) from None
     return config
 
 
@@ -47,7 +44,7 @@ def _structured(document: dict[str, Any], place: str) -> SceneConfig:
         elif key == "passes":
             config = replace(config, passes=_rows(value, Pass(by="", to=""), "passes", place))
         elif key == "net":
-            config = replace(config, net=_filled(Net(), value, f"{place}net: "))
+            config = replace(config, net=_filled(Net(), value, f"{place}: net"))
         else:
             config = changed(config, key, value, place)
     return config
@@ -56,22 +53,22 @@ def _structured(document: dict[str, Any], place: str) -> SceneConfig:
 def _rows(tables: Any, empty: T, name: str, place: str) -> tuple[T, ...]:
     """One object for each table ``[[name]]``, begun from an empty one."""
     if not isinstance(tables, list):
-        raise ConfigError(f"{place}got {name} = {tables!r}, expected tables [[{name}]]")
+        raise ConfigError(got=f"{name} = {tables!r}", expected=f"tables [[{name}]]", place=place)
     rows: list[T] = []
     for number, table in enumerate(tables, 1):
-        where = f"{place}{name} {number}: "
+        where = f"{place}: {name} {number}"
         row = _filled(empty, table, where)
         needed = [f.name for f in fields(empty) if f.default is MISSING]  # pyright: ignore
         for key in needed:
             if key not in table:
-                raise ConfigError(f"{where}got no {key}, expected {', '.join(needed)}")
+                raise ConfigError(got=f"no {key}", expected=", ".join(needed), place=where)
         rows.append(row)
     return tuple(rows)
 
 
 def _filled(value: T, table: Any, where: str) -> T:
     if not isinstance(table, dict):
-        raise ConfigError(f"{where}got {table!r}, expected a table")
+        raise ConfigError(got=f"{table!r}", expected="a table", place=where)
     for key, item in table.items():
         value = changed(value, key, item, where)
     return value

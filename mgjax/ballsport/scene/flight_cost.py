@@ -1,4 +1,4 @@
-"""When a ball shall arrive: flight times and ways to the hit, weighed against each other."""
+"""When a ball shall arrive: flight times and link paths to the hit, weighed against each other."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from jaxtyping import Bool, Float
 from mgjax.ballsport.ball.physics import BallPhysics
 from mgjax.ballsport.ball.trajectory import fly
 from mgjax.ballsport.scene.kick import kick_change
-from mgjax.ballsport.scene.link_paths import Chains
+from mgjax.ballsport.scene.link_paths import LinkPaths
 from mgjax.ballsport.scene.player import MOST_WARP
-from mgjax.ballsport.scene.types import Launch
+from mgjax.ballsport.scene.types import BallStart
 from mgjax.core.arrays import Array
 
 _THROW_M_S = 10.0
@@ -28,7 +28,7 @@ _SAMPLES = 32
 
 
 def flight_cost(
-    launch: Launch,
+    start: BallStart,
     velocities: Float[np.ndarray, "N 3"],
     met: Bool[np.ndarray, " N"],
     seconds: Float[np.ndarray, " N"],
@@ -38,23 +38,23 @@ def flight_cost(
     """How unwelcome each flight is: the change of the kick, and bodies in its way.
 
     Args:
-        launch: where the ball starts, and the bone that hits it.
+        start: where the ball starts, and the bone that hits it.
         velocities: of the ball, m/s.
         met: whether it arrives; infinite where not.
         seconds: flight times.
         others: where players stand who do not take part, m.
         physics: of the ball.
     """
-    if launch.bone is None:
+    if start.bone is None:
         cost = np.linalg.norm(velocities, axis=1) / _THROW_M_S
     else:
-        cost = kick_change(velocities, launch.bone[None])
+        cost = kick_change(velocities, start.bone[None])
     cost = np.where(met, cost, np.inf)
     if not others:
         return cost
     paths = np.asarray(
         _paths(
-            launch.place.astype(np.float32),
+            start.place.astype(np.float32),
             velocities.astype(np.float32),
             seconds.astype(np.float32),
             physics,
@@ -68,23 +68,23 @@ def flight_cost(
 
 
 def cheapest(
-    chains: Chains,
+    paths: LinkPaths,
     free: np.ndarray,
     fixed: int,
     begin: int,
     times: np.ndarray,
     flight: np.ndarray,
 ) -> list[tuple[int, int]]:
-    """Pairs of a way and an arrival, for each arrival the best way, cheapest first."""
+    """Pairs of a link path and an arrival, the best path for each arrival, cheapest first."""
     usable = np.flatnonzero(free > 0)
-    # Of the ways that take as long, the one with the smoothest sections.
-    usable = usable[np.lexsort((chains.cost[usable], free[usable]))]
+    # Of the paths that take as long, the one with the smoothest sections.
+    usable = usable[np.lexsort((paths.cost[usable], free[usable]))]
     _, first = np.unique(free[usable], return_index=True)
     usable = usable[first]
     have = (times - fixed - begin)[None].astype(np.float64)
     pace = free[usable][:, None] / np.where(have > 0, have, np.nan)
     fits = (pace <= MOST_WARP) & (pace >= 1 / MOST_WARP)
-    cost = flight[None] + _SECTION_COST * chains.cost[usable][:, None]
+    cost = flight[None] + _SECTION_COST * paths.cost[usable][:, None]
     cost = np.where(fits, cost + _WARP_COST * np.abs(np.nan_to_num(pace) - 1), np.inf)
     if not cost.size:
         return []

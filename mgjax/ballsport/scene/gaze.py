@@ -38,11 +38,11 @@ def look_at(skeleton: Skeleton, motion: Motion, ball: Float[np.ndarray, "F 3"]) 
     joints = [skeleton.index(name) for name in NECK]
     head = joints[-1]
     ahead = quaternion.rotate(turns[:, head], np.array([0.0, 0.0, 1.0]))
-    way = ball - places[:, head]
-    way = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
-    axis = np.cross(ahead, way)
+    direction = ball - places[:, head]
+    direction = direction / np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-9)
+    axis = np.cross(ahead, direction)
     size = np.linalg.norm(axis, axis=1)
-    angle = np.arctan2(size, np.sum(ahead * way, axis=1))
+    angle = np.arctan2(size, np.sum(ahead * direction, axis=1))
     fade = np.clip((_FADE[1] - angle) / (_FADE[1] - _FADE[0]), 0.0, 1.0)
     vector = axis / np.maximum(size, 1e-9)[:, None] * (np.minimum(angle, _MOST) * fade)[:, None]
     width = _SMOOTH_S * motion.frame_rate

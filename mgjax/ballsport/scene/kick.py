@@ -51,7 +51,7 @@ def kicks_of(moves: Repertoire, hit: int) -> list[Kick]:
     back = np.asarray(planar.inverse(moves.clips.planes[moves.clips.hit_starts[hit]]), np.float64)
     turn = np.array([back[0], 0.0, 0.0])
     rows = touch.mask
-    found = zip(
+    rows_of_contacts = zip(
         touch.frames[rows],
         np.asarray(planar.apply(back, touch.centres[rows])),
         np.asarray(planar.apply(turn, touch.velocities[rows])),
@@ -59,21 +59,21 @@ def kicks_of(moves: Repertoire, hit: int) -> list[Kick]:
     )
     return [
         Kick(hit=hit, frame=int(f), centre=c, velocity=v, aside=float(np.arctan2(v[0], v[2])))
-        for f, c, v in found
+        for f, c, v in rows_of_contacts
     ]
 
 
 def choose_kick(
     moves: Repertoire,
     hits: Sequence[int],
-    way: float,
+    distance: float,
     *,
     height: float,
     bounces: int,
     physics: BallPhysics,
     max_speed: float,
 ) -> Kick:
-    """Of all frames of some hits the one whose ball goes a way over the floor with least change.
+    """The frame, of all of some hits, whose ball goes a distance over the floor with least change.
 
     The place is straight ahead of the kick, since the body can be turned. The change is that of
     :func:`kick_change`; where no frame meets the place, the one that comes nearest is taken.
@@ -87,7 +87,7 @@ def choose_kick(
     Args:
         moves: what can be done.
         hits: stored hits to choose from.
-        way: from the body to the place, m.
+        distance: from the body to the place over the floor, m.
         height: of the place, m.
         bounces: wanted.
         physics: of the ball.
@@ -101,9 +101,9 @@ def choose_kick(
     size = bucket_size(len(kicks), SIZE)
     starts, targets, guesses = (
         pad_axis(x.astype(np.float32), size)
-        for x in (centres, way * ahead + np.array([0.0, height, 0.0]), bones)
+        for x in (centres, distance * ahead + np.array([0.0, height, 0.0]), bones)
     )
-    found = aim_batch(
+    aims = aim_batch(
         starts,
         targets,
         bounces=bounces,
@@ -113,9 +113,9 @@ def choose_kick(
         flight_times=np.full(size, _EXPECTED_S, np.float32),
         time_weight=_TIME_WEIGHT,
     )
-    balls = np.asarray(found.velocity, np.float64)[: len(kicks)]
+    balls = np.asarray(aims.velocity, np.float64)[: len(kicks)]
     change = kick_change(balls, bones)
-    miss = np.where(found.status == OK, 0.0, 1e3 + found.miss)[: len(kicks)]
+    miss = np.where(aims.status == OK, 0.0, 1e3 + aims.miss)[: len(kicks)]
     peak = {hit: np.linalg.norm(moves.touch[hit].velocities, axis=1).max() for hit in hits}
     slow = 1 - np.linalg.norm(bones, axis=1) / np.array([peak[kick.hit] for kick in kicks])
     return kicks[int(np.argmin(change + _SLOW * slow + miss))]

@@ -1,4 +1,4 @@
-"""Ways from one link motion to another: which sections to leave and to enter by, and how long."""
+"""Paths from one link motion to another: which sections to leave and enter by, and how long."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ NO_HOP = -1
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Chains:
-    """Many ways to go on from where a player is.
+class LinkPaths:
+    """Many paths on from where a player is.
 
     Attributes:
         frames: from where the player is to the entry of the last link motion. [C]
-        cost: D_p of a frame in each section on the way, summed, m. [C]
+        cost: D_p of a frame in each section on it, summed, m. [C]
         hops: first frames of the sections left and entered, in order; ``NO_HOP`` behind them.
             [C, H, 2]
     """
@@ -33,9 +33,9 @@ class Chains:
         last = np.maximum((self.hops[:, :, 0] != NO_HOP).sum(axis=1) - 1, 0)
         return self.hops[np.arange(len(last)), last, 1]
 
-    def picked(self, rows: np.ndarray) -> Chains:
-        """Some of them."""
-        return Chains(frames=self.frames[rows], cost=self.cost[rows], hops=self.hops[rows])
+    def picked(self, rows: np.ndarray) -> LinkPaths:
+        """The link paths in some rows."""
+        return LinkPaths(frames=self.frames[rows], cost=self.cost[rows], hops=self.hops[rows])
 
 
 _MOST_HOPS = 4
@@ -43,7 +43,7 @@ _NEAREST = 6
 """Places of the idle motion that are gone to from one place: those with the smoothest sections."""
 
 
-def find_chains(
+def find_link_paths(
     moves: Repertoire,
     run: int,
     frame: int,
@@ -52,8 +52,8 @@ def find_chains(
     *,
     turn: int,
     most: int,
-) -> Chains:
-    """All ways with at most one stop in the idle motion and, where one is asked for, one turn.
+) -> LinkPaths:
+    """All paths with at most one stop in the idle motion and, where one is asked for, one turn.
 
     Args:
         moves: what can be done.
@@ -61,28 +61,28 @@ def find_chains(
         frame: of the clip set, from which ``frames`` of the result counts.
         earliest: frame of the clip set from which on the run may be left.
         targets: parts to arrive in.
-        turn: degrees on the way; 0: none.
+        turn: degrees in between; 0: none.
         most: largest number of frames.
     """
-    mine, rest = np.flatnonzero(moves.runs == run), np.array([moves.rest])
+    own, rest = np.flatnonzero(moves.runs == run), np.array([moves.rest])
     here = _here(frame)
     now = np.array([earliest])
-    idle = _best(_hop(moves, here, now, mine, moves.idle, most, nearest=_NEAREST))
+    idle = _best(_hop(moves, here, now, own, moves.idle, most, nearest=_NEAREST))
     again = idle.entry + moves.window
     if not turn:
-        direct = _hop(moves, here, now, mine, targets, most)
+        direct = _hop(moves, here, now, own, targets, most)
         return _together(direct, _hop(moves, idle, again, moves.idle, targets, most))
-    soon = _turned(moves, _best(_hop(moves, here, now, mine, rest, most)), turn)
+    soon = _turned(moves, _best(_hop(moves, here, now, own, rest, most)), turn)
     late = _turned(moves, _best(_hop(moves, idle, again, moves.idle, rest, most)), turn)
     direct = _from_rest(moves, _together(soon, late), targets)
     waiting = _best(_from_rest(moves, soon, _near_rest(moves)))
     later = _hop(moves, waiting, waiting.entry + moves.window, moves.idle, targets, most)
-    found = _together(direct, later)
-    return found.picked(found.frames <= most)
+    paths = _together(direct, later)
+    return paths.picked(paths.frames <= most)
 
 
-def _best(paths: Chains) -> Chains:
-    """Of the ways that come to the same frame after as long, the one with the least cost."""
+def _best(paths: LinkPaths) -> LinkPaths:
+    """Keeps the cheapest of the paths that come to one frame after as long."""
     order = np.lexsort((paths.cost, paths.frames, paths.entry))
     key = np.stack([paths.entry[order], paths.frames[order]], axis=1)
     new = np.ones(len(order), bool)
@@ -95,26 +95,26 @@ def _near_rest(moves: Repertoire) -> np.ndarray:
     return moves.idle[np.argsort(moves.distance[moves.rest, moves.idle])[:_NEAREST]]
 
 
-def _here(frame: int) -> Chains:
+def _here(frame: int) -> LinkPaths:
     """No hop yet; the entry of it is where the player is."""
     hops = np.full((1, _MOST_HOPS, 2), NO_HOP, np.int64)
     hops[0, 0, 1] = frame
-    return Chains(frames=np.zeros(1, np.int64), cost=np.zeros(1), hops=hops)
+    return LinkPaths(frames=np.zeros(1, np.int64), cost=np.zeros(1), hops=hops)
 
 
-def _count(chains: Chains) -> np.ndarray:
-    return (chains.hops[:, :, 0] != NO_HOP).sum(axis=1)
+def _count(paths: LinkPaths) -> np.ndarray:
+    return (paths.hops[:, :, 0] != NO_HOP).sum(axis=1)
 
 
 def _hop(
     moves: Repertoire,
-    paths: Chains,
+    paths: LinkPaths,
     earliest: np.ndarray,
     parts: np.ndarray,
     targets: np.ndarray,
     most: int,
     nearest: int = 0,
-) -> Chains:
+) -> LinkPaths:
     """One more hop: from the parts of the run that was entered last to the targets.
 
     ``nearest``: to so many from each part; 0: to all.
@@ -132,28 +132,28 @@ def _hop(
 
 
 def _added(
-    paths: Chains,
+    paths: LinkPaths,
     row: np.ndarray,
     frames: np.ndarray,
     cost: np.ndarray,
     leave: np.ndarray,
     arrive: np.ndarray,
-) -> Chains:
+) -> LinkPaths:
     hops, count = paths.hops[row].copy(), _count(paths)[row]
     hops[np.arange(len(row)), count] = np.stack([leave, arrive], axis=-1)
-    return Chains(frames=frames, cost=cost, hops=hops)
+    return LinkPaths(frames=frames, cost=cost, hops=hops)
 
 
-def _turned(moves: Repertoire, paths: Chains, turn: int) -> Chains:
-    """Ways that end in the rest pose, played on through a turn up to the section after it."""
+def _turned(moves: Repertoire, paths: LinkPaths, turn: int) -> LinkPaths:
+    """Paths that end in the rest pose, played on through a turn up to the section after it."""
     start, stop = moves.turns[turn]
     hops, last = paths.hops.copy(), _count(paths) - 1
     hops[np.arange(len(last)), last, 1] = start
     frames = paths.frames + stop - moves.window - start
-    return Chains(frames=frames, cost=paths.cost, hops=hops)
+    return LinkPaths(frames=frames, cost=paths.cost, hops=hops)
 
 
-def _from_rest(moves: Repertoire, paths: Chains, targets: np.ndarray) -> Chains:
+def _from_rest(moves: Repertoire, paths: LinkPaths, targets: np.ndarray) -> LinkPaths:
     """On from the end of a turn, whose last frames are the rest pose."""
     row = np.repeat(np.arange(len(paths.frames)), len(targets))
     target = np.tile(targets, len(paths.frames))
@@ -163,8 +163,8 @@ def _from_rest(moves: Repertoire, paths: Chains, targets: np.ndarray) -> Chains:
     return _added(paths, row, paths.frames[row], cost, leave, moves.arrive[moves.rest, target])
 
 
-def _together(a: Chains, b: Chains) -> Chains:
-    return Chains(
+def _together(a: LinkPaths, b: LinkPaths) -> LinkPaths:
+    return LinkPaths(
         frames=np.concatenate([a.frames, b.frames]),
         cost=np.concatenate([a.cost, b.cost]),
         hops=np.concatenate([a.hops, b.hops]),

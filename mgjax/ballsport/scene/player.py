@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -11,7 +11,7 @@ from jaxtyping import Float
 from mgjax.ballsport.clipset.joining import join
 from mgjax.ballsport.clipset.repertoire import TURN_DEG, Repertoire
 from mgjax.ballsport.scene.kick import Kick
-from mgjax.ballsport.scene.link_paths import NO_HOP, Chains, find_chains
+from mgjax.ballsport.scene.link_paths import NO_HOP, LinkPaths, find_link_paths
 from mgjax.core import planar
 from mgjax.core.motion import Motion, sample
 
@@ -71,11 +71,20 @@ class Actor:
             return 0
         return int(np.clip(round(off / TURN_DEG) * TURN_DEG, -180, 180))
 
-    def ways(self, targets: np.ndarray, *, now: int, turn: int) -> Chains:
-        """The ways to some parts that begin no earlier than now."""
+    def copy(self) -> Actor:
+        """A player of its own that goes on from here."""
+        return replace(
+            self,
+            pieces=[list(piece) for piece in self.pieces],
+            knots=list(self.knots),
+            turns=list(self.turns),
+        )
+
+    def link_paths(self, targets: np.ndarray, *, now: int, turn: int) -> LinkPaths:
+        """The link paths to some parts that begin no earlier than now."""
         earliest = max(self.earliest, self.frame + now - self.time)
         most = max(now - self.time, 0) + round(LONG_S * self.moves.frame_rate)
-        return find_chains(
+        return find_link_paths(
             self.moves, self.run, self.frame, earliest, targets, turn=turn, most=most
         )
 
@@ -86,10 +95,10 @@ class Actor:
             here = planar.compose(here, self.moves.seam(leave, enter))
         return np.asarray(here)
 
-    def follow(self, chains: Chains, row: int) -> None:
-        """Goes one of the ways, at the speed of the clips."""
-        hops = _real(chains.hops[row])
-        self.placement = self.placed(chains.hops[row])
+    def go(self, paths: LinkPaths, row: int) -> None:
+        """Goes one of the link paths, at the speed of the clips."""
+        hops = _real(paths.hops[row])
+        self.placement = self.placed(paths.hops[row])
         window = self.moves.window
         for leave, enter in hops:
             self.pieces[-1][1] = leave + window
@@ -98,7 +107,7 @@ class Actor:
         owner = int(np.flatnonzero((self.moves.starts <= entry) & (entry < self.moves.stops))[0])
         self.run = int(self.moves.runs[owner])
         self.pieces[-1][1] = self.moves.run_stops[self.run]
-        self._account(entry, int(chains.frames[row]))
+        self._account(entry, int(paths.frames[row]))
         self.earliest = entry + window
 
     def idle_until(self, now: int) -> None:
@@ -109,12 +118,12 @@ class Actor:
             self.frame + now - self.time + linger > self.moves.run_stops[self.run]
         ):
             early = idle[: max(1, len(idle) // 3)]
-            ways = self.ways(early, now=self.time, turn=0)
-            late = ways.frames / self.moves.frame_rate
+            paths = self.link_paths(early, now=self.time, turn=0)
+            late = paths.frames / self.moves.frame_rate
             wait = np.maximum((now - self.time) / self.moves.frame_rate - late, 0.0)
-            self.follow(ways, int(np.argmin(ways.cost + _LATE_COST * (late + 2 * wait))))
+            self.go(paths, int(np.argmin(paths.cost + _LATE_COST * (late + 2 * wait))))
 
-    def settle(self, now: int) -> None:
+    def leave_in_time(self, now: int) -> None:
         """Goes to the idle motion if the run cannot be left for it any more from now on."""
         idle = self.moves.idle
         leave = self.moves.leave[self.moves.runs == self.run][:, idle]
@@ -125,15 +134,15 @@ class Actor:
         """Turns on the spot by stepping, if the heading is further off than the tolerance, rad."""
         if abs(_wrapped(heading - self.stand[0])) <= tolerance:
             return
-        self.settle(now)
+        self.leave_in_time(now)
         turn = self.turn_to(heading)
         early = self.moves.idle[: max(1, len(self.moves.idle) // 2)]
-        ways = self.ways(early, now=now, turn=turn)
-        row = int(np.argmin(ways.cost + _LATE_COST * ways.frames / self.moves.frame_rate))
-        enters = ways.hops[row, :, 1].tolist()
+        paths = self.link_paths(early, now=now, turn=turn)
+        row = int(np.argmin(paths.cost + _LATE_COST * paths.frames / self.moves.frame_rate))
+        enters = paths.hops[row, :, 1].tolist()
         begun = enters.index(self.moves.turns[turn][0])
-        self.turns.append((self._when(ways.hops[row, : begun + 1]), turn))
-        self.follow(ways, row)
+        self.turns.append((self._when(paths.hops[row, : begun + 1]), turn))
+        self.go(paths, row)
 
     def _when(self, hops: np.ndarray) -> int:
         """Time at which the last of some hops begins."""
@@ -142,8 +151,8 @@ class Actor:
             time, frame = time + leave - frame, enter
         return time
 
-    def hit(self, chains: Chains, row: int, kick: Kick, *, now: int, time: int) -> float:
-        """Goes one of the ways to a hit that meets the ball at a time; returns the warp.
+    def hit(self, paths: LinkPaths, row: int, kick: Kick, *, now: int, time: int) -> float:
+        """Goes one of the paths to a hit that meets the ball at a time; returns the warp.
 
         The warp is how many times faster than captured the link motion from now to the first frame
         of S_H is played. The hit itself is not warped.
@@ -152,7 +161,7 @@ class Actor:
         begin = max(now, self.time)
         source = self.source + begin - self.time
         start = int(clips.hit_starts[kick.hit])
-        self.follow(chains, row)
+        self.go(paths, row)
         self.source += start - self.frame
         self.time = time - (kick.frame - start)
         warp = (self.source - source) / (self.time - begin)

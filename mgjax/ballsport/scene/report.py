@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from mgjax.ballsport.aiming.solve import OK, STATUS_TEXT
-from mgjax.ballsport.clipset.ball_contact import bone_radius
+from mgjax.ballsport.config import hit_bone
 from mgjax.ballsport.scene.build import Scene
 from mgjax.ballsport.scene.kick import kick_change
-from mgjax.ballsport.scene.types import THROWN, Leg, Touch
+from mgjax.ballsport.scene.types import THROWN_IN, BallFlight, Touch
 from mgjax.core.kinematics import joint_velocities
 
 _TURN_RATE_S = 0.1
@@ -19,9 +19,15 @@ _TURN_RATE_S = 0.1
 
 def scene_json(scene: Scene) -> dict[str, Any]:
     """The timeline: passes, throws, events, players, and the worst of everything."""
-    legs = [_leg_json(scene, number, leg) for number, leg in enumerate(scene.legs)]
-    passes = [row for row, leg in zip(legs, scene.legs, strict=True) if _is_pass(scene, leg)]
-    throws = [row for row, leg in zip(legs, scene.legs, strict=True) if leg.number == THROWN]
+    flights = [_flight_json(scene, number, flight) for number, flight in enumerate(scene.flights)]
+    passes = [
+        row for row, flight in zip(flights, scene.flights, strict=True) if _is_pass(scene, flight)
+    ]
+    throws = [
+        row
+        for row, flight in zip(flights, scene.flights, strict=True)
+        if flight.number == THROWN_IN
+    ]
     players = [_player_json(scene, player.name) for player in scene.config.players]
     done = [row for row in passes if row["status"] == STATUS_TEXT[OK]]
     met = [*done, *throws]
@@ -66,40 +72,40 @@ def scene_json(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _is_pass(scene: Scene, leg: Leg) -> bool:
-    return leg.number != THROWN and leg.number < len(scene.config.passes)
+def _is_pass(scene: Scene, flight: BallFlight) -> bool:
+    return flight.number != THROWN_IN and flight.number < len(scene.config.passes)
 
 
-def _leg_json(scene: Scene, number: int, leg: Leg) -> dict[str, Any]:
+def _flight_json(scene: Scene, number: int, flight: BallFlight) -> dict[str, Any]:
     rate, (by, to) = scene.frame_rate, scene.ends[number]
     row: dict[str, Any] = {
         "by": by,
         "to": to,
-        "bounces": leg.bounces,
-        "status": STATUS_TEXT[leg.status],
-        "start_s": leg.start / rate,
-        "arrives_s": leg.stop / rate,
-        "flight_s": (leg.stop - leg.start) / rate,
-        "ball_speed_m_s": float(np.linalg.norm(leg.velocity)),
-        "place_m": leg.place.tolist(),
-        "velocity_m_s": leg.velocity.tolist(),
-        "target_m": leg.target.tolist(),
-        "miss_m": leg.miss,
-        "distance_to_others_m": _least_distance(scene, leg, {by, to}),
+        "bounces": flight.bounces,
+        "status": STATUS_TEXT[flight.status],
+        "start_s": flight.start / rate,
+        "arrives_s": flight.stop / rate,
+        "flight_s": (flight.stop - flight.start) / rate,
+        "ball_speed_m_s": float(np.linalg.norm(flight.velocity)),
+        "place_m": flight.place.tolist(),
+        "velocity_m_s": flight.velocity.tolist(),
+        "target_m": flight.target.tolist(),
+        "miss_m": flight.miss,
+        "distance_to_others_m": _least_distance(scene, flight, {by, to}),
     }
-    if leg.number != THROWN:
-        row = {"pass": leg.number + 1, **row, **_kick_json(scene, leg)}
-    ended = [touch for touch in scene.touches if touch.time == leg.stop]
-    if to and leg.status == OK and ended:
+    if flight.number != THROWN_IN:
+        row = {"pass": flight.number + 1, **row, **_kick_json(scene, flight)}
+    ended = [touch for touch in scene.touches if touch.time == flight.stop]
+    if to and flight.status == OK and ended:
         row |= _touch_json(scene, ended[0])
         row["arrival_miss_m"] = float(np.linalg.norm(scene.ball.arrivals[number] - ended[0].centre))
     return row
 
 
-def _kick_json(scene: Scene, leg: Leg) -> dict[str, Any]:
+def _kick_json(scene: Scene, flight: BallFlight) -> dict[str, Any]:
     """How the ball leaves, beside the bone that hits it."""
-    touch = scene.touches[leg.number]
-    ball, bone = leg.velocity, touch.bone
+    touch = scene.touches[flight.number]
+    ball, bone = flight.velocity, touch.bone
     speed = float(np.linalg.norm(bone))
     cosine = float(ball @ bone) / max(float(np.linalg.norm(ball)) * speed, 1e-9)
     clips = scene.moves.clips
@@ -119,10 +125,12 @@ def _touch_json(scene: Scene, touch: Touch) -> dict[str, Any]:
     """How the receiver meets the ball."""
     clips = scene.moves.clips
     joint = int(clips.hit_joint[touch.kick.hit])
-    apart = float(np.linalg.norm(scene.positions[touch.player][touch.time, joint] - touch.centre))
-    reach = float(scene.config.physics.radius) + bone_radius(clips.hit_bone[touch.kick.hit])
+    distance = float(
+        np.linalg.norm(scene.positions[touch.player][touch.time, joint] - touch.centre)
+    )
+    reach = float(scene.config.physics.radius) + hit_bone(clips.hit_bone[touch.kick.hit]).radius_m
     return {
-        "surface_gap_m": apart - reach,
+        "surface_gap_m": distance - reach,
         "contact_m": touch.centre.tolist(),
         "with": clips.hit_bone[touch.kick.hit],
         "time_warp": touch.warp,
@@ -130,12 +138,12 @@ def _touch_json(scene: Scene, touch: Touch) -> dict[str, Any]:
     }
 
 
-def _least_distance(scene: Scene, leg: Leg, out: set[str]) -> float | None:
+def _least_distance(scene: Scene, flight: BallFlight, out: set[str]) -> float | None:
     """From the ball's surface to the nearest joint of who takes no part; None: nobody is left."""
     others = [scene.positions[name] for name in scene.positions if name not in out]
     if not others:
         return None
-    part = slice(leg.start, leg.stop + 1)
+    part = slice(flight.start, flight.stop + 1)
     ball = scene.ball.places[part][:, None]
     away = [np.linalg.norm(places[part] - ball, axis=-1).min() for places in others]
     return float(min(away)) - float(scene.config.physics.radius)

@@ -1,4 +1,4 @@
-"""What a rally is made of: touches, and the legs of the ball between them."""
+"""What a rally is made of: touches, and the flights of the ball between them."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from jaxtyping import Float
 
 from mgjax.ballsport.scene.kick import Kick
 
-THROWN = -1
-"""Number of a leg that is no pass: the ball is thrown in."""
+THROWN_IN = -1
+"""Number of a flight that is no pass: the ball is thrown in."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +48,7 @@ class Touch:
         bone: velocity of the hit bone then, m/s. [3]
         warp: how many times faster the link motion before it was played.
         cost: D_p of a frame in the sections before it, summed, m.
-        by_user: whether the hit was given.
+        by_user: whether the user's motion decided the hit.
     """
 
     number: int
@@ -63,11 +63,31 @@ class Touch:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Leg:
+class BallStart:
+    """Where and when a flight of the ball begins.
+
+    Attributes:
+        number: of the pass from 0, or ``THROWN_IN``.
+        time: scene frame.
+        place: of the ball's centre, m. [3]
+        bone: velocity of the bone that hits it, m/s; None for a throw. [3]
+        bounces: wanted before the next touch.
+    """
+
+    number: int
+    time: int
+    place: Float[np.ndarray, "3"]
+    bone: Float[np.ndarray, "3"] | None
+    bounces: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BallFlight:
     """The ball between two touches.
 
     Attributes:
-        number: of the pass from 0, or ``THROWN``; the last touch begins one more that is no pass.
+        number: of the pass from 0, or ``THROWN_IN``; the last touch begins one more that is no
+            pass.
         start, stop: scene frames.
         place, velocity: of the ball at the start, m, m/s. [3]
         target: where it shall be at the stop, m. [3]
@@ -85,14 +105,3 @@ class Leg:
     bounces: int
     status: int
     miss: float
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Launch:
-    """Where and when the next ball starts; ``bone`` is None for a throw."""
-
-    number: int
-    time: int
-    place: np.ndarray
-    bone: np.ndarray | None
-    bounces: int

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.core.errors import ConfigError
+from mgjax.core.errors import ConfigError, PathError
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.config import PathConfig
 from mgjax.hybrid.paths.beam import Beam, run_beam
@@ -24,7 +24,7 @@ from mgjax.hybrid.paths.frontier import UNBOUNDED, Front, Leaf, Search, join
 from mgjax.hybrid.paths.kernel import make_request, prepare
 from mgjax.hybrid.paths.macro_edges import Strides, stride_tables
 from mgjax.hybrid.paths.result import PathResult, finish, lay_out
-from mgjax.hybrid.paths.sketch import PathError, Sketch
+from mgjax.hybrid.paths.sketch import Sketch
 
 WIDEST = 4096
 SLOWEST_M_S = 0.1

@@ -13,16 +13,16 @@ needed:
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.core.errors import FileFormatError, MgjaxError
+from mgjax.core.errors import FileFormatError, PathError
+from mgjax.io.json_text import parse_json
 from mgjax.io.text import parse_number, quoted, read_text, split_lines
 
 MAX_LENGTH_M = 1000.0
@@ -32,10 +32,6 @@ MAX_OBSTACLES = 32
 _KEYS = ("points", "spline", "closed", "speed", "end", "obstacles")
 _JUMP = 20.0
 """A step so many times longer than the others is a jump."""
-
-
-class PathError(MgjaxError):
-    """A sketch that is no path."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,26 +75,30 @@ def make_sketch(
         circles = np.array(obstacles, dtype=np.float64).reshape(-1, 3)
         wanted = np.array(np.nan if speed is None else speed, dtype=np.float64)
     except (TypeError, ValueError):
-        raise PathError("got something else, expected numbers x, z of each point") from None
+        raise PathError(got="something else", expected="numbers x, z of each point") from None
     if places.ndim != 2 or places.shape[1] != 2:
         raise PathError(
-            f"got an array of shape {places.shape}, expected two numbers for each point"
+            got=f"an array of shape {places.shape}", expected="two numbers for each point"
         )
     if wanted.ndim > 1 or (wanted.ndim == 1 and wanted.shape != places.shape[:1]):
-        raise PathError(f"got {wanted.size} speeds, expected one or {len(places)}")
+        raise PathError(got=f"{wanted.size} speeds", expected=f"one or {len(places)}")
     wanted = np.broadcast_to(wanted, len(places))
     if len(places) > 2 and (places[0] == places[-1]).all():
         places, wanted, closed = places[:-1], wanted[:-1], True
     _check_points(places, closed)
     bad = np.flatnonzero((wanted <= 0) | np.isinf(wanted) | (wanted > 20))
     if bad.size:
-        raise PathError(f"got speed {wanted[bad[0]]:g} at point {bad[0] + 1}, expected 0 … 20 m/s")
+        raise PathError(
+            got=f"speed {wanted[bad[0]]:g} at point {bad[0] + 1}", expected="0 … 20 m/s"
+        )
     if len(circles) > MAX_OBSTACLES:
-        raise PathError(f"got {len(circles)} obstacles, expected at most {MAX_OBSTACLES}")
+        raise PathError(got=f"{len(circles)} obstacles", expected=f"at most {MAX_OBSTACLES}")
     if not np.isfinite(circles).all() or (circles[:, 2] < 0).any():
-        raise PathError("got an obstacle that is no circle, expected finite x, z and a radius ≥ 0")
+        raise PathError(
+            got="an obstacle that is no circle", expected="finite x, z and a radius ≥ 0"
+        )
     if end is not None and not (math.isfinite(end[0]) and math.isfinite(end[1])):
-        raise PathError("got an end that is not finite, expected x and z in metres")
+        raise PathError(got="an end that is not finite", expected="x and z in metres")
     return Sketch(
         points=places, speed=wanted.copy(), spline=spline, closed=closed, end=end, obstacles=circles
     )
@@ -108,25 +108,25 @@ def _check_points(places: np.ndarray, closed: bool) -> None:
     bad = np.flatnonzero(~np.isfinite(places).all(axis=1))
     if bad.size:
         values = ", ".join(f"{v:g}" for v in places[bad[0]])
-        raise PathError(f"got ({values}) as point {bad[0] + 1}, expected finite numbers")
+        raise PathError(got=f"({values}) as point {bad[0] + 1}", expected="finite numbers")
     if len(places) < 2:
-        raise PathError(f"got a path of {len(places)} point, expected at least two")
+        raise PathError(got=f"a path of {len(places)} point", expected="at least two")
     around = np.concatenate([places, places[:1]]) if closed else places
     steps = np.linalg.norm(np.diff(around, axis=0), axis=1)
     same = np.flatnonzero(steps < 1e-6)
     if same.size:
-        raise PathError(f"got point {same[0] + 1} twice in a row, expected points that are apart")
+        raise PathError(got=f"point {same[0] + 1} twice in a row", expected="points that are apart")
     inner = steps[: len(places) - 1]  # the last way of a closed path may be long
     # Of few steps one may be long on both ways, there and back.
     usual = np.median(inner) if len(inner) > 4 else np.sort(inner)[-2:][0]
     longest = int(np.argmax(inner))
     if len(inner) > 1 and inner[longest] > max(_JUMP * usual, 1.0):
         raise PathError(
-            f"got a jump of {inner[longest]:.3g} m after point {longest + 1}, expected steps about"
-            f" as long as the others ({usual:.3g} m)"
+            got=f"a jump of {inner[longest]:.3g} m after point {longest + 1}",
+            expected=f"steps about as long as the others ({usual:.3g} m)",
         )
     if not 0.1 <= steps.sum() <= MAX_LENGTH_M:
-        raise PathError(f"got a path of {steps.sum():.3g} m, expected 0.1 … {MAX_LENGTH_M:g} m")
+        raise PathError(got=f"a path of {steps.sum():.3g} m", expected=f"0.1 … {MAX_LENGTH_M:g} m")
 
 
 def load_sketch(path: str | Path, *, spline: bool = False, closed: bool = False) -> Sketch:
@@ -148,8 +148,7 @@ def load_sketch(path: str | Path, *, spline: bool = False, closed: bool = False)
     try:
         return make_sketch(**fields)
     except PathError as error:
-        got, _, expected = str(error).removeprefix("got ").partition(", expected ")
-        raise FileFormatError(path, None, got, expected) from None
+        raise FileFormatError(path, None, error.got, error.expected) from None
 
 
 def _from_csv(path: str | Path, text: str) -> dict[str, Any]:
@@ -178,16 +177,7 @@ def _from_csv(path: str | Path, text: str) -> dict[str, Any]:
 
 
 def _from_json(path: str | Path, text: str) -> dict[str, Any]:
-    def refuse(word: str) -> NoReturn:
-        raise FileFormatError(path, None, word, "finite numbers")
-
-    try:
-        root = json.loads(text, parse_int=float, parse_constant=refuse)
-    except json.JSONDecodeError as error:
-        got = f"no JSON ({error.msg})"
-        raise FileFormatError(path, error.lineno, got, "a JSON object with points") from None
-    except RecursionError:
-        raise FileFormatError(path, None, "JSON nested too deep", "a JSON object") from None
+    root = parse_json(path, text, expected="a JSON object with points")
     if isinstance(root, list):
         root = {"points": root}
     if not isinstance(root, dict) or "points" not in root:

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from mgjax.core.errors import ReachError
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.config import PathConfig, ReachConfig
 from mgjax.hybrid.ik.limbs import Limb, find_limb
@@ -15,7 +16,7 @@ from mgjax.hybrid.reaching.extension import extensions, rejoin
 from mgjax.hybrid.reaching.key_pose import Key, find_key
 from mgjax.hybrid.reaching.placements import inside_body, places, radius_of
 from mgjax.hybrid.reaching.sampled_walk import Course, make_course
-from mgjax.hybrid.reaching.targets import ReachError, Target
+from mgjax.hybrid.reaching.targets import Target
 
 Status = Literal["reached", "out_of_reach", "too_high", "limits", "lost", "too_fast"]
 _BEFORE_M = 2.5

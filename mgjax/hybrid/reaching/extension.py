@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.core.errors import GraphError
+from mgjax.core.errors import GraphError, PathError
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.config import PathConfig, ReachConfig
 from mgjax.hybrid.paths.curve import Curve
 from mgjax.hybrid.paths.search import follow
-from mgjax.hybrid.paths.sketch import PathError, make_sketch
+from mgjax.hybrid.paths.sketch import make_sketch
 from mgjax.hybrid.reaching.dubins import dubins
 from mgjax.hybrid.reaching.placements import AHEAD_M
 from mgjax.hybrid.reaching.sampled_walk import Course, make_course

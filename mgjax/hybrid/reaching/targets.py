@@ -14,18 +14,18 @@ targets with the same time that is not ``"passing"`` are reached together.
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import PchipInterpolator
 
-from mgjax.core.errors import FileFormatError, MgjaxError
+from mgjax.core.errors import FileFormatError, ReachError
 from mgjax.hybrid.ik.limbs import LIMBS
+from mgjax.io.json_text import parse_json
 from mgjax.io.text import quoted, read_text
 
 WORDS = ("start", "passing", "end")
@@ -35,10 +35,6 @@ MAX_HOLD_S = 60.0
 MAX_PLACE_M = 1000.0
 MAX_TARGETS = 64
 _KEYS = ("limb", "place", "track", "bar", "when", "hold_s")
-
-
-class ReachError(MgjaxError):
-    """A target that cannot be one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,13 +99,13 @@ def make_target(
         ReachError: an unknown limb, no time, a place under the floor, numbers that are not finite.
     """
     if limb not in LIMBS:
-        raise ReachError(f"got the limb {quoted(str(limb))}, expected {' | '.join(LIMBS)}")
+        raise ReachError(got=f"the limb {quoted(str(limb))}", expected=" | ".join(LIMBS))
     given = [
         name for name, x in (("place", place), ("track", track), ("bar", bar)) if x is not None
     ]
     if len(given) != 1:
         got = " and ".join(given) or "no place"
-        raise ReachError(f"got {got} for the {limb}, expected one of place | track | bar")
+        raise ReachError(got=f"{got} for the {limb}", expected="one of place | track | bar")
     if bar is not None:
         return _bar_target(limb, bar, when)
     _check_when(limb, when, hold_s)
@@ -118,29 +114,29 @@ def make_target(
     seconds, places = rows[:, 0], rows[:, 1:]
     if seconds[0] != 0 or (np.diff(seconds) < 1e-3).any() or seconds[-1] > MAX_HOLD_S:
         raise ReachError(
-            f"got a track of the {limb} with times {seconds.tolist()!s:.60}, expected growing ones"
-            f" from 0 to at most {MAX_HOLD_S:g} s"
+            got=f"a track of the {limb} with times {seconds.tolist()!s:.60}",
+            expected=f"growing ones from 0 to at most {MAX_HOLD_S:g} s",
         )
     low = np.flatnonzero(places[:, 1] < 0)
     if low.size:
         height = places[low[0], 1]
-        raise ReachError(f"got a target of the {limb} under the floor (y = {height:g} m), expected"
-                         " y ≥ 0")  # fmt: skip
+        got = f"a target of the {limb} under the floor (y = {height:g} m)"
+        raise ReachError(got=got, expected="y ≥ 0")
     hold_s = float(seconds[-1]) if len(seconds) > 1 else float(hold_s)
     return Target(limb=limb, when=when, hold_s=hold_s, seconds=seconds, places=places)
 
 
 def _bar_target(limb: str, bar: tuple[Any, Any, Any], when: Any) -> Target:
     if limb != "head":
-        raise ReachError(f"got a bar for the {limb}, expected one for the head")
+        raise ReachError(got=f"a bar for the {limb}", expected="one for the head")
     if when not in (None, "passing"):
-        raise ReachError(f"got a bar at {when!r:.40}, expected no time: it is where it is passed")
+        raise ReachError(got=f"a bar at {when!r:.40}", expected="no time: it is where it is passed")
     ends = _numbers(limb, bar[:2], 3)
     radius = bar[2]
     if not (isinstance(radius, int | float) and 0 <= radius <= 1):
-        raise ReachError(f"got a bar of radius {radius!r:.40}, expected 0 … 1 m")
+        raise ReachError(got=f"a bar of radius {radius!r:.40}", expected="0 … 1 m")
     if (ends[:, 1] < 0).any() or np.linalg.norm(ends[1] - ends[0]) < 1e-3:
-        raise ReachError("got a bar of no length or under the floor, expected two ends, y ≥ 0")
+        raise ReachError(got="a bar of no length or under the floor", expected="two ends, y ≥ 0")
     none = np.zeros((0, 3))
     return Target(limb=limb, when="passing", hold_s=0.0, seconds=np.zeros(0), places=none,
                   bar=Bar(ends=ends, radius=float(radius)))  # fmt: skip
@@ -149,12 +145,12 @@ def _bar_target(limb: str, bar: tuple[Any, Any, Any], when: Any) -> Target:
 def _check_when(limb: str, when: Any, hold_s: Any) -> None:
     expected = f"seconds ≥ 0 | {' | '.join(WORDS)}"
     if when is None:
-        raise ReachError(f"got no time for the {limb}, expected when: {expected}")
+        raise ReachError(got=f"no time for the {limb}", expected=f"when: {expected}")
     number = isinstance(when, int | float) and not isinstance(when, bool)
     if not (when in WORDS if isinstance(when, str) else number and 0 <= when < math.inf):
-        raise ReachError(f"got when = {when!r:.40} for the {limb}, expected {expected}")
+        raise ReachError(got=f"when = {when!r:.40} for the {limb}", expected=expected)
     if not (isinstance(hold_s, int | float) and 0 <= hold_s <= MAX_HOLD_S):
-        raise ReachError(f"got hold_s = {hold_s!r:.40}, expected 0 … {MAX_HOLD_S:g} s")
+        raise ReachError(got=f"hold_s = {hold_s!r:.40}", expected=f"0 … {MAX_HOLD_S:g} s")
 
 
 def _row(place: Any) -> list[Any]:
@@ -170,9 +166,11 @@ def _numbers(limb: str, rows: Any, width: int) -> np.ndarray:
         found = np.zeros(0)
     if found.ndim != 2 or found.shape[1] != width or not len(found):
         got = f"{rows!r:.60}"
-        raise ReachError(f"got {got} for the {limb}, expected numbers {what}")
+        raise ReachError(got=f"{got} for the {limb}", expected=f"numbers {what}")
     if not np.isfinite(found).all() or (np.abs(found) > MAX_PLACE_M).any():
-        raise ReachError(f"got {found.tolist()!s:.60} for the {limb}, expected finite {what} in m")
+        raise ReachError(
+            got=f"{found.tolist()!s:.60} for the {limb}", expected=f"finite {what} in m"
+        )
     return found
 
 
@@ -182,18 +180,12 @@ def load_targets(path: str | Path) -> tuple[Target, ...]:
     Raises:
         FileFormatError: names the file, the target, what stands there and what should.
     """
-    text = read_text(path, "reach")
-
-    def refuse(word: str) -> NoReturn:
-        raise FileFormatError(path, None, word, "finite numbers")
-
-    try:
-        root = json.loads(text, parse_int=float, parse_constant=refuse)
-    except json.JSONDecodeError as error:
-        got = f"no JSON ({error.msg})"
-        raise FileFormatError(path, error.lineno, got, "a JSON list of targets") from None
-    except RecursionError:
-        raise FileFormatError(path, None, "JSON nested too deep", "a list of targets") from None
+    root = parse_json(
+        path,
+        read_text(path, "reach"),
+        expected="a JSON list of targets",
+        nested="a list of targets",
+    )
     rows = root.get("targets") if isinstance(root, dict) and set(root) == {"targets"} else root
     if not isinstance(rows, list) or not 1 <= len(rows) <= MAX_TARGETS:
         got = f"{len(rows)} targets" if isinstance(rows, list) else "something else"
@@ -218,5 +210,5 @@ def _target(path: str | Path, number: int, row: Any) -> Target:
     try:
         return make_target(row["limb"], **fields)
     except ReachError as error:
-        got, _, expected = str(error).removeprefix("got ").partition(", expected ")
-        raise FileFormatError(path, None, f"{got} (target {number})", expected) from None
+        got = f"{error.got} (target {number})"
+        raise FileFormatError(path, None, got, error.expected) from None

@@ -10,15 +10,15 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.batch import SAG, Shots, make_shot
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.attacks.merge import merge_attacks
-from mgjax.avoidance.body.chord_error import frame_bends, seam_bends
-from mgjax.avoidance.body.device_tables import FOLLOWING, search_tables
-from mgjax.avoidance.body.poses import body_of
+from mgjax.avoidance.body.chord_error import frame_chord_errors, seam_chord_errors
+from mgjax.avoidance.body.device_tables import FOLLOWING
 from mgjax.avoidance.body.spheres import preset_spheres, sphere_centres
 from mgjax.avoidance.candidates.batch import Walks
-from mgjax.avoidance.checks import bounds as certify_module
-from mgjax.avoidance.checks.bounds import MORE_LANES, Bounds, certify
+from mgjax.avoidance.checks import bounds as module
+from mgjax.avoidance.checks.bounds import MORE_LANES, Bounds, clearance_bounds
 from mgjax.avoidance.checks.fast import clearance_between
-from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE, FAR
 from mgjax.core.kinematics import forward
 from mgjax.core.quaternion import slerp
@@ -26,7 +26,7 @@ from mgjax.graph.types import NO_EDGE, MotionGraph
 from mgjax.graph.walk import Walk, make_walk
 from tests.avoidance.made import random_graph, throw
 
-bound = jax.jit(certify, static_argnames="frame_rate")
+bound = jax.jit(clearance_bounds, static_argnames="frame_rate")
 
 
 def random_walks(graph: MotionGraph, rng: np.random.Generator, seconds: float) -> list[Walk]:
@@ -51,8 +51,16 @@ def shot_of(attack: Attack, reach: float) -> Shots:
     return make_shot(attack, Crop(start=0.0, end=1.0), AvoidanceConfig(), reach)
 
 
+def prepared_of(graph: MotionGraph) -> Prepared:
+    return prepared_for(graph, AvoidanceConfig(body_rate=graph.frame_rate))
+
+
+def exactly(graph: MotionGraph, attack: Attack, walk: Walk) -> float:
+    return clearance_between(prepared_of(graph).posed, attack, walk, 0.0, attack.end)
+
+
 def bounds_of(graph: MotionGraph, walks: list[Walk], attack: Attack) -> Bounds:
-    _, device = search_tables(graph, graph.frame_rate, SpeedConfig())
+    prepared = prepared_of(graph)
     edges = np.full((48, MORE_LANES), NO_EDGE, np.int32)
     scales = np.ones((48, MORE_LANES), np.float32)
     length = np.zeros(MORE_LANES, np.int32)
@@ -61,8 +69,8 @@ def bounds_of(graph: MotionGraph, walks: list[Walk], attack: Attack) -> Bounds:
         edges[: length[lane], lane], scales[: length[lane], lane] = walk.edges, walk.scales
     table = np.concatenate([edges, [length], np.zeros((2, MORE_LANES), np.int32)])
     lanes = Walks(table=table, shared=True)
-    shot = shot_of(attack, body_of(graph)[1])
-    found = bound(device, lanes, scales, shot, frame_rate=graph.frame_rate)
+    shot = shot_of(attack, prepared.posed.reach)
+    found = bound(prepared.device, lanes, scales, shot, frame_rate=graph.frame_rate)
     return jax.tree.map(np.asarray, found)
 
 
@@ -94,22 +102,17 @@ def test_the_exact_clearance_lies_within_the_bounds(any_graph: MotionGraph, kind
         attack = replace(attack, centres=attack.centres + np.array([aside, 0.0, aside]))
         bounds = bounds_of(any_graph, random_walks(any_graph, rng, attack.end), attack)
         for lane in range(MORE_LANES):
-            exact = clearance_between(any_graph, attack, whole_walk(bounds, lane), 0.0, attack.end)
-            assert exact >= bounds.least[lane] - 1e-6
-            doubted += int(bounds.least[lane] < CLEAR_M and bounds.touched_from[lane] == FAR)
-            if bounds.least[lane] >= CLEAR_M:
-                assert bounds.doubt_from[lane] == FAR
+            exact = clearance_between(
+                prepared_of(any_graph).posed, attack, whole_walk(bounds, lane), 0.0, attack.end
+            )
+            assert exact >= bounds.lower_bound[lane] - 1e-6
+            doubted += int(bounds.lower_bound[lane] < CLEAR_M and bounds.contact_from[lane] == FAR)
+            if bounds.lower_bound[lane] >= CLEAR_M:
                 assert exact >= CLEAR_M
                 settled += 1
-            if bounds.touched_from[lane] < FAR:
+            if bounds.contact_from[lane] < FAR:
                 assert exact < CLEAR_M
                 touched += 1
-            if 0 < bounds.doubt_from[lane] < FAR:
-                until = float(bounds.doubt_from[lane])
-                clear = clearance_between(
-                    any_graph, attack, whole_walk(bounds, lane), 0.0, until - 1 / EXPORT_RATE
-                )
-                assert clear >= CLEAR_M - 1e-5
     assert settled >= 3
     assert touched >= 3
     if kind != "zigzag":
@@ -151,15 +154,15 @@ def test_looking_at_every_fourth_frame_misses_nothing(
     walks = random_walks(any_graph, rng, 1.2)
     seldom = [bounds_of(any_graph, walks, attack) for attack in attacks]
     jax.clear_caches()
-    monkeypatch.setattr(certify_module, "STRIDE", 1)
+    monkeypatch.setattr(module, "STRIDE", 1)
     always = [bounds_of(any_graph, walks, attack) for attack in attacks]
     jax.clear_caches()
     for few, all_ in zip(seldom, always, strict=True):
-        for name in ("least", "doubt_from", "touched_from"):
-            near = all_.least < 0.1
+        for name in ("lower_bound", "contact_from"):
+            near = all_.lower_bound < 0.1
             got, wanted = getattr(few, name)[near], getattr(all_, name)[near]
             np.testing.assert_allclose(got, wanted, atol=1e-5, err_msg=name)
-        assert (few.least >= np.minimum(all_.least, 0.1) - 1e-5).all()
+        assert (few.lower_bound >= np.minimum(all_.lower_bound, 0.1) - 1e-5).all()
 
 
 def test_nothing_is_certain_where_it_cannot_be(made_graph: MotionGraph) -> None:
@@ -171,8 +174,8 @@ def test_nothing_is_certain_where_it_cannot_be(made_graph: MotionGraph) -> None:
     lanes = bounds_of(made_graph, quick, through)
     near = lanes.clearance < 1.0
     assert near.any()
-    assert (lanes.least[near] < CLEAR_M).all()
-    assert (lanes.touched_from == FAR).all()
+    assert (lanes.lower_bound[near] < CLEAR_M).all()
+    assert (lanes.contact_from == FAR).all()
     # A sphere that comes from afar at once and hangs in the body for longer than was foreseen.
     hang = Attack(
         times=np.array([0.0, 0.1, 1.5]),
@@ -180,8 +183,8 @@ def test_nothing_is_certain_where_it_cannot_be(made_graph: MotionGraph) -> None:
         radii=np.array([0.05]),
     )
     lanes = bounds_of(made_graph, walks, hang)
-    assert (lanes.least < CLEAR_M).all()
-    assert (lanes.touched_from == FAR).all()
+    assert (lanes.lower_bound < CLEAR_M).all()
+    assert (lanes.contact_from == FAR).all()
 
 
 def test_an_attack_far_away(made_graph: MotionGraph) -> None:
@@ -190,8 +193,7 @@ def test_an_attack_far_away(made_graph: MotionGraph) -> None:
         times=np.array([0.0, 1.0]), centres=np.full((2, 1, 3), 60.0), radii=np.array([0.1])
     )
     lanes = bounds_of(made_graph, random_walks(made_graph, rng, 1.2), away)
-    assert (lanes.least > 10).all()
-    assert (lanes.doubt_from == FAR).all()
+    assert (lanes.lower_bound > 10).all()
 
 
 def test_corners_are_paid_for() -> None:
@@ -212,13 +214,13 @@ def test_corners_are_paid_for() -> None:
     assert np.isclose(float(shot_of(falling, 1.0).numbers[0, SAG]), wanted, rtol=1e-3)
 
 
-def test_bends_cover_the_arc(made_graph: MotionGraph) -> None:
+def test_chord_errors_cover_the_arc(made_graph: MotionGraph) -> None:
     graph = made_graph
     spheres = preset_spheres(graph.skeleton)
     rng = np.random.default_rng(0)
     edges = rng.integers(graph.num_edges, size=60)
     frames = graph.edge_starts[edges] + rng.integers(graph.edge_frames[edges])
-    bends = frame_bends(graph)[frames]
+    errors = frame_chord_errors(prepared_of(graph).posed)[frames]
 
     def centres(root: np.ndarray, rotations: np.ndarray) -> np.ndarray:
         return np.asarray(sphere_centres(spheres, forward(graph.skeleton, root, rotations)[0]))
@@ -232,16 +234,16 @@ def test_bends_cover_the_arc(made_graph: MotionGraph) -> None:
         there = centres(roots[0] * (1 - share) + roots[1] * share, turned)
         off = np.linalg.norm(there - (ends[0] * (1 - share) + ends[1] * share), axis=-1)
         worst = np.maximum(worst, off.max(axis=1))
-    assert (worst <= bends).all()
-    assert (bends <= 1.25 * worst + 5e-5).all()
+    assert (worst <= errors).all()
+    assert (errors <= 1.25 * worst + 5e-5).all()
 
 
-def test_bends_over_a_seam() -> None:
+def test_chord_errors_over_a_seam() -> None:
     # Where the next edge begins with the pose at which this one arrives a seam is a step like any.
     graph = random_graph(3)
     edge = 0
     graph.edge_exit[:] = 0
-    same = seam_bends(graph, np.array([edge]), np.array([edge]))
+    same = seam_chord_errors(prepared_of(graph).posed, np.array([edge]), np.array([edge]))
     assert same.shape == (1,)
     assert np.isfinite(same).all()
 
@@ -253,10 +255,10 @@ def test_after_the_end_of_a_walk_nothing_is_certain(made_graph: MotionGraph) -> 
     times = np.array([0.0, 30.0])
     away = Attack(times=times, centres=np.full((2, 1, 3), 9.0), radii=np.array([0.1]))
     lanes = bounds_of(made_graph, walks, away)
-    assert (lanes.least < CLEAR_M).all()
-    assert (lanes.touched_from == FAR).all()
+    assert (lanes.lower_bound < CLEAR_M).all()
+    assert (lanes.contact_from == FAR).all()
     brief = replace(away, times=np.array([0.0, 0.4]))
-    assert (bounds_of(made_graph, walks, brief).least > 1.0).all()
+    assert (bounds_of(made_graph, walks, brief).lower_bound > 1.0).all()
 
 
 @pytest.mark.parametrize("stop", [0.5013, 0.5031, 0.7])
@@ -275,7 +277,9 @@ def test_a_sphere_that_lives_between_two_frames(made_graph: MotionGraph, stop: f
     )
     lanes = bounds_of(made_graph, walks, attack)
     for lane, walk in enumerate(walks):
-        exact = clearance_between(made_graph, attack, whole_walk(lanes, lane), 0.0, attack.end)
+        exact = clearance_between(
+            prepared_of(made_graph).posed, attack, whole_walk(lanes, lane), 0.0, attack.end
+        )
         if np.abs(walk.starts(made_graph)[-1]) > 0.6:
             assert exact < CLEAR_M
-            assert lanes.least[lane] < CLEAR_M
+            assert lanes.lower_bound[lane] < CLEAR_M

@@ -7,6 +7,8 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.checks.fast import clearance_between
 from mgjax.avoidance.checks.written import clearance, trace_motion, walk_motion
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import FAR
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk
@@ -42,6 +44,7 @@ def by_check(graph: MotionGraph, attack: Attack, walk: Walk, start: float, stop:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_agrees_with_the_written_motion_at_every_seam(any_graph: MotionGraph, seed: int) -> None:
+    posed = prepared_for(any_graph, AvoidanceConfig()).posed
     walk = scaled_walk(any_graph, seed)
     starts = walk.starts(any_graph)
     attack = hovering((0.3, 1.0, 0.3), float(starts[-1]))
@@ -51,7 +54,13 @@ def test_agrees_with_the_written_motion_at_every_seam(any_graph: MotionGraph, se
         span = first * FRAME, (first + 4) * FRAME
         if span[1] > starts[-1]:
             break
-        got = clearance_between(any_graph, attack, walk, span[0] + 1e-9, span[1] - 1e-9)
+        got = clearance_between(
+            posed,
+            attack,
+            walk,
+            span[0] + 1e-9,
+            span[1] - 1e-9,
+        )
         if got < FAR:
             wanted = by_check(any_graph, attack, walk, *span)
             np.testing.assert_allclose(got, wanted, atol=2e-5)
@@ -59,14 +68,34 @@ def test_agrees_with_the_written_motion_at_every_seam(any_graph: MotionGraph, se
 
 @pytest.mark.parametrize("seed", range(4))
 def test_agrees_on_the_whole_walk(any_graph: MotionGraph, seed: int) -> None:
+    posed = prepared_for(any_graph, AvoidanceConfig()).posed
     walk = scaled_walk(any_graph, seed)
     end = np.floor(float(walk.starts(any_graph)[-1]) / FRAME) * FRAME
     attack = hovering((0.2, 1.2, 0.2), end)
-    got = clearance_between(any_graph, attack, walk, 0.0, end)
+    got = clearance_between(posed, attack, walk, 0.0, end)
     np.testing.assert_allclose(got, by_check(any_graph, attack, walk, 0.0, end), atol=2e-5)
 
 
 def test_nothing_without_attack(any_graph: MotionGraph) -> None:
+    posed = prepared_for(any_graph, AvoidanceConfig()).posed
     walk = scaled_walk(any_graph, 0)
-    assert clearance_between(any_graph, hovering((0, 1, 0), 0.2), walk, 0.3, 0.4) == FAR
-    assert clearance_between(any_graph, hovering((50, 1, 0), 1.0), walk, 0.0, 1.0) == FAR
+    assert (
+        clearance_between(
+            posed,
+            hovering((0, 1, 0), 0.2),
+            walk,
+            0.3,
+            0.4,
+        )
+        == FAR
+    )
+    assert (
+        clearance_between(
+            posed,
+            hovering((50, 1, 0), 1.0),
+            walk,
+            0.0,
+            1.0,
+        )
+        == FAR
+    )

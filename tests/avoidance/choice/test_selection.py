@@ -10,16 +10,16 @@ import pytest
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.body.spheres import preset_spheres, sphere_centres
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.checks.written import clearance, trace_motion, walk_motion
-from mgjax.avoidance.choice.continuation import play_on
+from mgjax.avoidance.choice.continuation import continue_clear
 from mgjax.avoidance.choice.search import HOPELESS_M
 from mgjax.avoidance.choice.selection import Selection, select
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import CLEAR_M, FAR
 from mgjax.avoidance.timing.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE
 from mgjax.core import planar
@@ -56,13 +56,17 @@ def judged(
     """All candidates and their energies, as the selection sees them."""
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     assert crop is not None
-    tables = edge_tables(graph, config.body_rate)
+    prepared = prepared_for(graph, config)
     found = enumerate_candidates(
-        graph, tables, node, crop.middle, window=config.T_window, capacity=config.capacity
+        graph,
+        prepared.tables,
+        node,
+        crop.middle,
+        window=config.T_window,
+        capacity=config.capacity,
     )
-    _, device = search_tables(graph, config.body_rate, config.speed)
     rate = graph.frame_rate
-    return found, judge(device, found, attack, crop, config, frame_rate=rate)
+    return found, judge(prepared.device, found, attack, crop, config, frame_rate=rate)
 
 
 def test_every_status_occurs(answers: list) -> None:
@@ -158,7 +162,7 @@ def test_the_least_energy_that_passes_wins(any_graph: MotionGraph, answers: list
             trace = trace_motion(any_graph, spheres, walk_motion(any_graph, walk, end), stop=end)
             # It is hit on its path, or wherever it may lead after it.
             if clearance(attack, trace, spheres.radii)[1] >= CLEAR_M:
-                played = play_on(any_graph, attack, walk, QUICK)
+                played = continue_clear(prepared_for(any_graph, QUICK).posed, attack, walk, QUICK)
                 assert played.clear_until is not None or played.clearance < CLEAR_M
         looked_at += 1
         assert chosen.candidates == len(candidates.length)
@@ -328,16 +332,17 @@ def test_clear_until() -> None:
     graph = make_graph([(0, 1, 30), (1, 0, 20), (1, 1, 25)], [(0, 6, 12)], sway=0.003)
     attack = wall(1.2, 2.0)
     path = make_walk(graph, [0])
-    played = play_on(graph, attack, path, QUICK)
+    posed = prepared_for(graph, QUICK).posed
+    played = continue_clear(posed, attack, path, QUICK)
     assert played.clear_until == 1.0
     assert played.walk.edges[0] == 0
     assert float(played.walk.starts(graph)[-1]) >= 2.2
     # A path that is touched itself is not continued with care.
-    touched = play_on(graph, wall(0.5, 2.0), path, QUICK)
+    touched = continue_clear(posed, wall(0.5, 2.0), path, QUICK)
     assert touched.clearance < 0
     assert touched.clear_until is None
     # However far ahead: clear until the edge during which it comes.
-    far = play_on(graph, wall(3.5, 6.0), path, QUICK)
+    far = continue_clear(posed, wall(3.5, 6.0), path, QUICK)
     assert far.clear_until is not None
     assert 2.5 < far.clear_until <= 3.5 + 1e-9
 
@@ -346,6 +351,7 @@ def test_goes_on_where_it_is_clear() -> None:
     # Two edges can follow the path; a small ball stands where one of them will have a limb.
     graph = make_graph([(0, 1, 30), (1, 0, 40), (1, 0, 41)], [(0, 6, 12)], sway=0.05)
     spheres = preset_spheres(graph.skeleton)
+    posed = prepared_for(graph, QUICK).posed
     walks = [make_walk(graph, [0, edge]) for edge in (1, 2)]
     traces = [trace_motion(graph, spheres, walk_motion(graph, walk, 2.3)) for walk in walks]
     late = 2 * 240
@@ -360,7 +366,7 @@ def test_goes_on_where_it_is_clear() -> None:
         )
         assert clearance(attack, traces[own], spheres.radii)[1] < 0
         assert CLEAR_M < clearance(attack, traces[other], spheres.radii)[1] < FAR
-        played = play_on(graph, attack, make_walk(graph, [0]), QUICK)
+        played = continue_clear(posed, attack, make_walk(graph, [0]), QUICK)
         assert played.clear_until is None
         assert played.walk.edges[:2].tolist() == [0, 1 + other]
         assert CLEAR_M < played.clearance < FAR

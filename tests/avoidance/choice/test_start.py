@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.body.edge_tables import edge_tables
-from mgjax.avoidance.choice.start import _farthest, validate_start
+from mgjax.avoidance.choice.start import validate_start
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.graph.types import MotionGraph
 
@@ -31,7 +31,8 @@ def still(place: np.ndarray, radius: float) -> Attack:
 
 def test_begins_inside_whatever_is_skipped(made_graph: MotionGraph) -> None:
     # A place is inside if it is in a sphere of the body at the node, near or far.
-    tables = edge_tables(made_graph, 30.0)
+    prepared = prepared_for(made_graph, AvoidanceConfig())
+    tables = prepared.tables
     radii = tables.spheres.radii
     reach = 0.0
     rng = np.random.default_rng(0)
@@ -45,9 +46,9 @@ def test_begins_inside_whatever_is_skipped(made_graph: MotionGraph) -> None:
             gap = (np.linalg.norm(body - place, axis=1) - radii).min() - radius
             if gap < 0:
                 with pytest.raises(AttackError, match=f"starts {-gap:.3f} m inside the body"):
-                    validate_start(made_graph, tables, node, still(place, radius))
+                    validate_start(prepared, node, still(place, radius))
             else:
-                validate_start(made_graph, tables, node, still(place, radius))
+                validate_start(prepared, node, still(place, radius))
             inside += gap < 0
     assert 20 < inside < 180
-    assert reach < _farthest(tables)
+    assert reach < tables.farthest

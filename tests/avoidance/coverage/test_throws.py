@@ -7,16 +7,13 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance import choose
+from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.coverage.report import COMPASS, bearing, report
 from mgjax.avoidance.coverage.shares import cells, interval, outcomes, shares, worst_cells
 from mgjax.avoidance.coverage.throws import NO_KIND, Coverage, _ball, coverage
 from mgjax.avoidance.many.attacks import (
-    AVOIDED,
-    HIT,
-    NO_CANDIDATE,
     NO_PART,
-    STATUSES,
     BatchSelection,
 )
 from mgjax.core.errors import AttackError, ConfigError, GraphError
@@ -26,6 +23,7 @@ from mgjax.pictures.coverage import coverage_figure
 SMALL: dict[str, Any] = {
     "directions": 4, "heights": (1.4, 0.3), "arrivals": (1.2, 0.9), "nodes": 9, "seed": 3,
 }  # fmt: skip
+AVOIDED, HIT, NO_CANDIDATE = (status.code for status in Status)
 
 
 def settings(**changes: Any) -> dict[str, Any]:
@@ -92,7 +90,7 @@ def test_answers_are_those_of_single_choices(made_graph: MotionGraph, small: Cov
             10.0,
         )
         wanted = choose(made_graph, int(small.node[i]), ball, config=config)
-        assert STATUSES[small.answers.status[i]] == wanted.status
+        assert tuple(Status)[small.answers.status[i]] == wanted.status
         assert small.answers.candidates[i] == wanted.candidates
         avoided = wanted.status == "avoided" and wanted.part is not None
         kind = made_graph.label_kind[wanted.part or 0] if avoided else None

@@ -7,11 +7,11 @@ import pytest
 
 from mgjax.avoidance import choose, select_batch
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.culling.candidates import timing_of, without_culled
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import ConfigError
 from mgjax.graph.types import MotionGraph
@@ -23,7 +23,11 @@ CONFIG = AvoidanceConfig()
 @pytest.mark.parametrize("form", ["paper", "binned"])
 def test_what_is_culled_is_left_out(made_graph: MotionGraph, form: str) -> None:
     rng = np.random.default_rng(4)
-    tables, device = search_tables(made_graph, CONFIG.body_rate, CONFIG.speed)
+    config = replace(CONFIG, culling=form)
+    prepared = prepared_for(made_graph, config)
+    tables, device, slices = prepared.tables, prepared.device, prepared.slices
+    assert slices is not None
+    rate = made_graph.frame_rate
     culled_at_all = 0
     for _ in range(8):
         node, attack = int(rng.integers(made_graph.num_nodes)), throw(rng)
@@ -32,18 +36,18 @@ def test_what_is_culled_is_left_out(made_graph: MotionGraph, form: str) -> None:
         every = enumerate_candidates(
             made_graph, tables, node, crop.middle, window=1.0, capacity=4096
         )
-        kept, culled = without_culled(made_graph, every, attack, crop, form, CONFIG)
+        kept, culled = without_culled(slices, device, every, attack, crop, config, frame_rate=rate)
         assert len(kept.length) + culled == len(every.length)
         culled_at_all += culled
         if not len(every.length):
             continue
         # The same timing as the search's own, and nothing that cannot be timed is dropped.
-        status, scales = timing_of(made_graph, every, crop, CONFIG)
-        judged = judge(device, every, attack, crop, CONFIG, frame_rate=made_graph.frame_rate)
+        status, scales = timing_of(device, every, crop, CONFIG, frame_rate=rate)
+        judged = judge(device, every, attack, crop, CONFIG, frame_rate=rate)
         np.testing.assert_array_equal(status, judged["status"])
         np.testing.assert_allclose(scales, judged["scales"][:, : scales.shape[1]], atol=1e-6)
         assert culled <= (status == OK).sum()
-        choice = choose(made_graph, node, attack, config=replace(CONFIG, culling=form))
+        choice = choose(made_graph, node, attack, config=config)
         assert choice.candidates == len(every.length)
         assert choice.dropped.culled == culled
     assert culled_at_all > 0

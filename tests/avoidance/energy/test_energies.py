@@ -14,12 +14,11 @@ import pytest
 from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy import kernel as energy_kernel
 from mgjax.avoidance.energy.energies import (
-    FAR,
     energies,
     energies_batch,
-    time_scale_energy,
-    total_energy,
 )
+from mgjax.avoidance.energy.score import time_scale_energy, total_energy
+from mgjax.avoidance.rates import FAR
 from mgjax.core.errors import ConfigError
 from tests.reference import energy as reference
 

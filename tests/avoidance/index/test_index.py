@@ -1,67 +1,41 @@
 from __future__ import annotations
 
-from dataclasses import fields, replace
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 
-from mgjax.avoidance.attacks.attack import Attack
+from experiments.benchmarks.grid_index import paths_per_cell
 from mgjax.avoidance.attacks.ball import ball_attack
-from mgjax.avoidance.attacks.crop import Crop, crop_attack
-from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
-from mgjax.avoidance.body.spheres import BodySpheres, preset_spheres
-from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
+from mgjax.avoidance.attacks.crop import crop_attack
+from mgjax.avoidance.body.edge_tables import edge_tables
+from mgjax.avoidance.body.spheres import preset_spheres
+from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice import choosing as choice
-from mgjax.avoidance.choice.verify import Settled
+from mgjax.avoidance.choice.decision import Decision
+from mgjax.avoidance.choice.search import Query
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index import build as grid_build
 from mgjax.avoidance.index import part_volumes as grid_parts
 from mgjax.avoidance.index.build import build_index
-from mgjax.avoidance.index.cells import COVERED, LOWEST, SPAN
-from mgjax.avoidance.index.index import (
-    GridIndex,
-    cells_of,
-    load_index,
-    lookup,
-    paths_in_time,
-    paths_per_cell,
-    save_index,
-    touched_cells,
-    walks_of,
-)
+from mgjax.avoidance.index.cells import touched_cells
+from mgjax.avoidance.index.index import GridIndex
+from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.index.swept_cells import swept_cells
-from mgjax.core.errors import FileFormatError
+from mgjax.avoidance.prepared import Prepared
 from mgjax.graph.types import MotionGraph
-from mgjax.io.store import load_arrays, save_arrays
+from tests.avoidance.index.made import (
+    RATE,
+    SHORT_S,
+    all_of,
+    built,
+    cell_set,
+    cells_of,
+    lookup,
+    one_sphere,
+    pairs,
+    passing,
+)
 from tests.avoidance.made import make_graph, random_graph, throw
 from tests.reference import grid_index as reference
-
-RATE = 30.0
-SHORT_S = 1.3
-
-
-@pytest.fixture(scope="module")
-def made_index(made_graph: MotionGraph) -> GridIndex:
-    return build_index(made_graph, edge_tables(made_graph, RATE), horizon=SHORT_S)
-
-
-def all_of(index: GridIndex, node: int) -> Candidates:
-    """Every path of a node as a walk, whether or not it has cells."""
-    paths = np.arange(index.node_first[node], index.node_first[node + 1])
-    return walks_of(index, paths)
-
-
-def pairs(candidates: Candidates) -> list[tuple[tuple[int, ...], int]]:
-    rows = zip(candidates.edges, candidates.length, candidates.part, strict=True)
-    return [(tuple(row[:length].tolist()), int(part)) for row, length, part in rows]
-
-
-def cell_set(cells: np.ndarray) -> set:
-    found = {tuple(cell) for cell in cells.tolist()}
-    assert len(found) == len(cells)
-    return found
 
 
 def check_cells(graph: MotionGraph, index: GridIndex, node: int, paths: list[int], rate: float):
@@ -84,7 +58,7 @@ def check_cells(graph: MotionGraph, index: GridIndex, node: int, paths: list[int
 @pytest.mark.parametrize("rate", [30.0, 8.0])
 def test_cells_are_those_of_the_definition(seed: int, rate: float) -> None:
     graph = random_graph(seed)
-    index = build_index(graph, edge_tables(graph, RATE), horizon=1.0, rate=rate)
+    index = build_index(graph, horizon=1.0, rate=rate)
     rng = np.random.default_rng(seed)
     total = 0
     for node in range(graph.num_nodes):
@@ -102,30 +76,12 @@ def test_cells_on_the_graph_of_clips(made_graph: MotionGraph, made_index: GridIn
         assert check_cells(made_graph, made_index, int(node), some, RATE) > 50
 
 
-def one_sphere(steps: list[tuple[float, float, float]]) -> tuple[MotionGraph, EdgeTables]:
-    """Edge 0 leads to edge 1, with a part of two frames; the body is one sphere of 6 cm.
-
-    Places are those at the beginning, the middle and the end of the part.
-    """
-    graph = make_graph([(0, 1, 15), (1, 0, 30)], [(1, 9, 11)])
-    tables = edge_tables(graph, RATE)
-    zero = np.zeros(1, np.int64)
-    share, radii = np.zeros(1, np.float32), np.array([0.06], np.float32)
-    spheres = BodySpheres(names=("one",), first=zero, second=zero, share=share, radii=radii)
-    pool = np.zeros((len(tables.pool), 3), np.float32)
-    first = int(tables.pool_first[1])
-    pool[first + 9 : first + 12] = steps
-    step = tables.step.copy()
-    step[0] = (np.pi / 2, 1.0, 0.0)
-    return graph, replace(tables, spheres=spheres, pool=pool, step=step)
-
-
 def test_by_hand() -> None:
     # The sphere is around the middle of cell (0, 10, 0): the cell's eight sub-points are 4.3 cm
     # from it, those of its neighbours 8.3 cm. It leaves by 20 cm. Edge 0 turns the frame by 90°
     # and moves it by 1 m, so that (0.05, y, 0.05) is at (1.05, y, −0.05) from node 0.
     graph, tables = one_sphere([(0.05, 1.05, 0.05), (0.05, 1.05, 0.05), (0.25, 1.05, 0.05)])
-    index = build_index(graph, tables, horizon=1.0)
+    index = built(graph, tables, horizon=1.0)
     assert index.node_first.tolist() == [0, 1, 2]
     assert index.time.tolist() == [2 * 15 + 9 + 11, 9 + 11]  # half frames
     assert cells_of(index, 0).tolist() == [[10, 10, -1]]
@@ -148,7 +104,7 @@ def test_a_sub_point_has_to_be_left(moved: float, stays: bool) -> None:
     # Moved by d along x, the farthest sub-points are √((2.5 + d)² + 2.5² + 2.5²) cm from the
     # middle: 4.9 cm, still inside, or 7.4 cm.
     graph, tables = one_sphere([(0.05, 1.05, 0.05)] * 2 + [(0.05 + moved, 1.05, 0.05)])
-    index = build_index(graph, tables, horizon=1.0)
+    index = built(graph, tables, horizon=1.0)
     assert (len(cells_of(index, 1)) == 0) == stays
     found = lookup(index, 1, np.array([[0, 10, 0]]), 0.4, 0.5)
     assert found is not None
@@ -159,122 +115,8 @@ def test_rates_between_the_samples() -> None:
     # At 30 moments a second the part has three, at 15 only its start and end.
     away = (0.25, 1.05, 0.05)
     graph, tables = one_sphere([(0.05, 1.05, 0.05), away, (0.05, 1.05, 0.05)])
-    assert len(cells_of(build_index(graph, tables, rate=30.0), 1)) == 1
-    assert len(cells_of(build_index(graph, tables, rate=15.0), 1)) == 0
-
-
-@pytest.mark.parametrize("gravity", [False, True])
-def test_touched_cells(gravity: bool) -> None:
-    rng = np.random.default_rng(int(gravity))
-    for _ in range(6):
-        attack = throw(rng, gravity=gravity)
-        if gravity:  # the pieces themselves, without the margin for their curvature
-            attack = replace(attack, acceleration=0.0)
-        crop = crop_attack(attack, radius=1.0, height=2.3)
-        assert crop is not None
-        got = touched_cells(attack, crop)
-        assert got is not None
-        sure, perhaps = reference.touched(attack, crop.start, crop.end)
-        assert sure <= cell_set(got) <= sure | perhaps
-        assert len(sure) > 100
-
-
-def ball(*places: tuple[float, float, float], radius: float) -> tuple[Attack, Crop]:
-    times = np.arange(float(len(places)))
-    attack = Attack(times=times, centres=np.array(places)[:, None], radii=np.array([radius]))
-    return attack, Crop(start=0.0, end=float(times[-1]))
-
-
-def test_touched_cells_by_hand() -> None:
-    still = touched_cells(*ball((0.05, 1.05, 0.05), (0.05, 1.05, 0.05), radius=0.04))
-    assert still is not None
-    assert still.tolist() == [[0, 10, 0]]
-    over = touched_cells(*ball((0.05, 1.05, 0.05), (0.05, 1.05, 0.05), radius=0.06))
-    assert over is not None
-    assert len(over) == 7  # the cell and its six neighbours; edges are 7.1 cm away
-    along = touched_cells(*ball((-0.25, 1.05, 0.05), (0.25, 1.05, 0.05), radius=0.04))
-    assert along is not None
-    assert along.tolist() == [[i, 10, 0] for i in range(-3, 3)]
-    there_and_back = touched_cells(
-        *ball((0.05, 1.05, 0.05), (0.35, 1.05, 0.05), (0.05, 1.05, 0.05), radius=0.04)
-    )
-    assert there_and_back is not None
-    assert there_and_back.tolist() == [[i, 10, 0] for i in range(4)]
-    two = Attack(
-        times=np.array([0.0, 1.0]),
-        centres=np.array([[[0.05, 1.05, 0.05], [-1.05, 1.05, 0.05]]] * 2),
-        radii=np.array([0.04, 0.01]),
-    )
-    both = touched_cells(two, Crop(start=0.0, end=1.0))
-    assert both is not None
-    assert both.tolist() == [[-11, 10, 0], [0, 10, 0]]
-
-
-@pytest.mark.parametrize("radius", [1e-6, 0.3, 1.0, 50.0, 1000.0])
-def test_touched_cells_of_strange_balls(radius: float) -> None:
-    for places in (((0.0, 1.1, 0.0),) * 2, ((0.0, 1.2, 0.0), (0.0, 1.4, 0.0), (1.0, 1.2, 1.0))):
-        attack, crop = ball(*places, radius=radius)
-        got = touched_cells(attack, crop)
-        assert (got is None) == (radius > 1.1)
-        if got is not None:
-            sure, perhaps = reference.touched(attack, crop.start, crop.end)
-            assert sure <= cell_set(got) <= sure | perhaps
-        instant = touched_cells(attack, Crop(start=1.0, end=1.0))
-        assert (instant is None) == (radius > 1.1)
-
-
-def passing(rng: np.random.Generator, kind: str) -> tuple[Attack, Crop]:
-    """An attack past the character, and a crop of it."""
-    if kind in ("straight", "ballistic"):
-        attack = throw(rng, gravity=kind == "ballistic", height=float(rng.uniform(0.3, 1.7)))
-        crop = crop_attack(attack, radius=float(rng.uniform(0.4, 1.0)), height=2.3)
-        assert crop is not None
-        return attack, crop
-    knots, spheres = int(rng.integers(1, 30)), int(rng.integers(1, 4))
-    step = rng.normal(size=(knots, spheres, 3)) * rng.uniform(0, 0.1)
-    if kind == "along cells":  # on their faces, so that it depends on the last bit
-        step = np.round(step, 1) * rng.integers(0, 2, 3)
-    centres = np.cumsum(step, axis=0) + np.round(rng.uniform((-0.3, 0.5, -0.3), (0.3, 1.7, 0.3)), 1)
-    attack = Attack(
-        times=np.sort(rng.uniform(0, 1, knots)),
-        centres=centres,
-        radii=rng.integers(1, 6, spheres) / 20,
-        acceleration=float(rng.choice([0.0, 9.8])),
-    )
-    return attack, Crop(start=float(rng.uniform(0, 0.3)), end=float(rng.uniform(0.3, 1)))
-
-
-@pytest.mark.parametrize("kind", ["straight", "ballistic", "wandering", "along cells"])
-def test_swept_cells_are_the_touched_cells(kind: str) -> None:
-    rng = np.random.default_rng(len(kind))
-    seen = 0
-    for _ in range(60):
-        attack, crop = passing(rng, kind)
-        cells, swept = touched_cells(attack, crop), swept_cells(attack, crop)
-        if cells is None or (cells < COVERED[0]).any() or (cells >= COVERED[1]).any():
-            assert swept is None
-            continue
-        assert swept is not None
-        column = (cells[:, 0] + SPAN // 2) * SPAN + cells[:, 2] + SPAN // 2 - swept.first
-        bit = np.uint32(1) << (cells[:, 1] - LOWEST).astype(np.uint32)
-        assert (swept.perhaps()[column] & bit).all()
-        image = np.zeros_like(swept.sure)
-        np.bitwise_or.at(image, column, bit)
-        assert not (swept.sure & ~image).any()
-        around = np.unique(cells[rng.integers(len(cells), size=80)], axis=0)
-        around = np.unique(around + rng.integers(-1, 2, (len(around), 3)), axis=0)
-        around = around[((around >= COVERED[0]) & (around < COVERED[1])).all(axis=1)]
-        known = cell_set(cells)
-        assert swept.touches(around).tolist() == [tuple(c) in known for c in around.tolist()]
-        seen += 1
-    assert seen > 20
-
-
-def test_swept_cells_outside_the_covered_space() -> None:
-    # As with the cells: a centimetre of a sphere under the lowest cells or beyond the last ones.
-    for place, inside in (((0, 0.01, 0), True), ((0, -0.09, 0), False), ((12.75, 1, 0), False)):
-        attack, crop = ball(place, place, radius=0.12)
-        assert (swept_cells(attack, crop) is not None) == inside
+    assert len(cells_of(built(graph, tables, rate=30.0), 1)) == 1
+    assert len(cells_of(built(graph, tables, rate=15.0), 1)) == 0
 
 
 def expected(
@@ -323,7 +165,7 @@ def test_lookup_is_the_enumeration_that_touches(
 @pytest.mark.parametrize("seed", range(3))
 def test_lookup_by_the_definition(seed: int) -> None:
     graph = random_graph(seed)
-    index = build_index(graph, edge_tables(graph, RATE), horizon=1.0)
+    index = build_index(graph, horizon=1.0)
     bodies = reference.Bodies(graph, preset_spheres(graph.skeleton), RATE)
     rng = np.random.default_rng(seed)
     met = missed = 0
@@ -366,8 +208,7 @@ def test_swept_cells_find_what_the_cells_find(made_index: GridIndex, kind: str) 
 
 
 def test_capacity_is_said_and_kept(made_graph: MotionGraph, made_index: GridIndex) -> None:
-    tables = edge_tables(made_graph, RATE)
-    small = build_index(made_graph, tables, horizon=SHORT_S, capacity=8)
+    small = build_index(made_graph, horizon=SHORT_S, capacity=8)
     counts = np.diff(small.node_first)
     assert counts.max() <= 8 < np.diff(made_index.node_first).max()
     limited = np.flatnonzero(small.node_limit < SHORT_S * small.half_frames)
@@ -387,57 +228,9 @@ def test_capacity_is_said_and_kept(made_graph: MotionGraph, made_index: GridInde
     assert found > 20
 
 
-def test_saved_and_loaded(tmp_path: Path) -> None:
-    graph = random_graph(1)
-    index = build_index(graph, edge_tables(graph, RATE), horizon=0.8)
-    save_index(tmp_path, index)
-    again = load_index(tmp_path, graph)
-    for field in fields(index):
-        a, b = getattr(index, field.name), getattr(again, field.name)
-        if isinstance(a, np.ndarray):
-            assert a.dtype == b.dtype
-            np.testing.assert_array_equal(a, b)
-        else:
-            assert a == b
-    assert again.nbytes == index.nbytes > 0
-
-
-def test_a_stale_or_damaged_index_is_refused(tmp_path: Path) -> None:
-    graph = random_graph(1)
-    with pytest.raises(FileFormatError, match="no such file"):
-        load_index(tmp_path, graph)
-    save_index(tmp_path, build_index(graph, edge_tables(graph, RATE), horizon=0.8))
-    moved = replace(graph, root_translation=graph.root_translation + np.float32(0.01))
-    named = replace(graph, label_starts=graph.label_starts + 0, label_stops=graph.label_stops + 1)
-    for other in (random_graph(2), moved, named):
-        with pytest.raises(FileFormatError, match=r"another graph, expected .* build it anew$"):
-            load_index(tmp_path, other)
-    file = tmp_path / "grid_index.safetensors"
-    arrays, metadata = load_arrays(file, "grid index")
-    worse = {
-        "follow": {"follow": arrays["follow"] + np.uint32(9)},
-        "short": {"code": arrays["code"][:-1]},
-        "first": {"node_first": arrays["node_first"][::-1].copy()},
-        "edge": {"edge": arrays["edge"] + np.uint8(100)},
-    }
-    for change in worse.values():
-        save_arrays(file, arrays | change, metadata)
-        with pytest.raises(FileFormatError, match="do not fit"):
-            load_index(tmp_path, graph)
-    save_arrays(file, {k: v for k, v in arrays.items() if k != "masks"}, metadata)
-    with pytest.raises(FileFormatError, match="incomplete"):
-        load_index(tmp_path, graph)
-    save_arrays(file, arrays, metadata | {"format_version": 99})
-    with pytest.raises(FileFormatError, match="format 99"):
-        load_index(tmp_path, graph)
-    file.write_bytes(file.read_bytes()[:100])
-    with pytest.raises(FileFormatError, match="damaged"):
-        load_index(tmp_path, graph)
-
-
 def test_nothing_to_index() -> None:
     graph = make_graph([(0, 1, 15), (1, 0, 30)], [])
-    index = build_index(graph, edge_tables(graph, RATE))
+    index = build_index(graph)
     found = lookup(index, 0, np.array([[0, 10, 0]]), 1.0, 1.0)
     assert found is not None
     assert not len(found.part)
@@ -446,8 +239,7 @@ def test_nothing_to_index() -> None:
 def test_same_again_and_without_compiling(made_graph: MotionGraph, made_index: GridIndex) -> None:
     programs = (grid_build._read, grid_parts._gap, grid_parts._sub_points)
     sizes = [program._cache_size() for program in programs]
-    tables = edge_tables(made_graph, RATE)
-    again = build_index(made_graph, tables, horizon=SHORT_S - 0.1)
+    again = build_index(made_graph, horizon=SHORT_S - 0.1)
     assert [program._cache_size() for program in programs] == sizes
     kept = made_index.time <= (SHORT_S - 0.1) * made_index.half_frames
     assert again.report["paths"] == kept.sum()
@@ -461,9 +253,9 @@ def test_the_choice_is_as_good_with_the_index(
     judged: list[int] = []
     real = choice.best_of
 
-    def best_of(*given: Any) -> Settled:
-        judged.append(len(given[4].length))
-        return real(*given)
+    def best_of(prepared: Prepared, query: Query, config: AvoidanceConfig) -> Decision:
+        judged.append(len(query.candidates.length))
+        return real(prepared, query, config)
 
     monkeypatch.setattr(choice, "best_of", best_of)
     monkeypatch.setattr(choice, "enumerate_candidates", None)  # the index holds them all
@@ -502,9 +294,13 @@ def test_all_in_time_are_those_that_are_enumerated(
         wanted = enumerate_candidates(
             made_graph, tables, node, middle, window=window, capacity=10**6
         )
-        paths = paths_in_time(made_index, node, middle, window)
+        paths = made_index.in_time(node, middle, window)
         assert paths is not None
-        assert pairs(walks_of(made_index, paths)) == pairs(wanted)
+        assert pairs(made_index.walks(paths)) == pairs(wanted)
         count += len(paths)
     assert count > 10
-    assert paths_in_time(made_index, 0, SHORT_S, 0.1) is None
+    assert made_index.in_time(0, SHORT_S, 0.1) is None
+
+
+def test_it_is_what_a_choice_asks_for(made_index: GridIndex) -> None:
+    assert isinstance(made_index, CandidateIndex)

@@ -8,12 +8,12 @@ import pytest
 from mgjax.avoidance import choose, select_batch
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
-from mgjax.avoidance.body.poses import body_of
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates, natural_times
-from mgjax.avoidance.choice.search import Found, make_task, search
+from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.choice.search import Query, SearchResult, search, search_input
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
-from mgjax.avoidance.many.attacks import NO_PART, STATUSES
+from mgjax.avoidance.many.attacks import NO_PART
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.graph.types import MotionGraph
 from tests.avoidance.made import throw
@@ -38,7 +38,7 @@ def test_the_same_answers_as_one_by_one(any_graph: MotionGraph) -> None:
     for i, (node, attack) in enumerate(zip(nodes, attacks, strict=True)):
         wanted = choose(any_graph, int(node), attack, config=config)
         seen.add(wanted.status)
-        assert STATUSES[got.status[i]] == wanted.status
+        assert tuple(Status)[got.status[i]] == wanted.status
         assert got.candidates[i] == wanted.candidates
         if wanted.energy is None or wanted.clearance_m is None:
             assert got.part[i] == NO_PART
@@ -68,11 +68,12 @@ def test_bad_questions(made_graph: MotionGraph) -> None:
 def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
     # Any node, ball and weights: one compiled call for all of one size.
     config = AvoidanceConfig()
-    tables, device = search_tables(made_graph, config.body_rate, config.speed)
+    prepared = prepared_for(made_graph, config)
+    tables, device = prepared.tables, prepared.device
 
     @jax.jit
     @chex.assert_max_traces(n=1)
-    def traced(*inputs: object) -> Found:
+    def traced(*inputs: object) -> SearchResult:
         return search(*inputs, frame_rate=30.0, limit_scale=True)
 
     rng = np.random.default_rng(1)
@@ -87,15 +88,16 @@ def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
         )
         if not 8 < len(found.length) <= 32:
             continue
-        task = make_task(found, attack, crop, config, body_of(made_graph)[1])
+        query = Query(node=node, attack=attack, crop=crop, candidates=found)
+        given = search_input(query, config, prepared.posed.reach)
         energy = EnergyConfig(E_avoidance=rng.uniform(0.01, 1.0), w_b=rng.uniform(0, 2))
-        traced(device, task.walks, task.shots, energy)
+        traced(device, given.walks, given.shots, energy)
         answered += 1
 
 
 def test_natural_times(made_graph: MotionGraph) -> None:
     config = AvoidanceConfig()
-    tables, _ = search_tables(made_graph, config.body_rate, config.speed)
+    tables = prepared_for(made_graph, config).tables
     found = enumerate_candidates(made_graph, tables, 3, 1.2, window=2.0, capacity=50)
     assert len(found.length)
     for row, time in enumerate(natural_times(tables, found)):

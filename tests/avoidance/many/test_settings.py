@@ -9,23 +9,26 @@ import pytest
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice.choosing import choose
+from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.choice.search import Query
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
-from mgjax.avoidance.energy.energies import Energies
-from mgjax.avoidance.energy.score import (
+from mgjax.avoidance.energy.evaluate import (
     Judged,
     judge,
 )
-from mgjax.avoidance.many.attacks import NO_CANDIDATE, STATUSES
-from mgjax.avoidance.many.lazy_checks import ask
-from mgjax.avoidance.many.reweight import CLEAR, TOUCHED, Picked, pick, pick_each, rescore
+from mgjax.avoidance.energy.score import Measures, Scores
+from mgjax.avoidance.many.lazy_checks import score_attack
+from mgjax.avoidance.many.reweight import Certainty, Picked, pick, pick_each, reweight
 from mgjax.avoidance.many.settings import sweep_energies
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.timing.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE, Timing
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.graph.types import MotionGraph
 from tests.avoidance.made import throw
+
+CLEAR, TOUCHED, _ = Certainty
 
 GRID = [
     EnergyConfig(),
@@ -49,60 +52,74 @@ def made_judged() -> Judged:
         status=np.array([OK, OK, OK, NOT_ADJUSTABLE], np.int32),
     )
     zero = np.zeros(4, np.float32)
-    found = Energies(
-        avoidance=zero,
-        body=zero,
+    measures = Measures(
         penetration=row(0.02, 0.0, 0.005, 1.0),
         d=row(0.25, 0.6, -0.1, 0.3),
         d0=row(-0.1, 0.1, -0.2, 0.0),
+        s_time=timing.s_time,
     )
-    return Judged(timing=timing, energies=found, timescale=zero, total=zero)
+    scores = Scores(total=zero, avoidance=zero, body=zero, timescale=zero)
+    return Judged(timing=timing, measures=measures, scores=scores)
 
 
 def test_by_hand() -> None:
     config = EnergyConfig(E_avoidance=0.01, D_body=0.5, E_time=4.0, w_a=1.0, w_b=2.0, w_t=3.0)
-    got = rescore(made_judged(), config, limit_scale=True)
-    np.testing.assert_allclose(got.energies.avoidance, [0, 1, 0.5, 0], atol=1e-6)
-    np.testing.assert_allclose(got.energies.body, [0.5, 1, 1, 0.6], atol=1e-6)
-    np.testing.assert_allclose(got.timescale, [0.5, 0.25, 0.5, 0.25], atol=1e-6)
-    np.testing.assert_allclose(got.total[:2], [2.5, 3.75], atol=1e-6)
-    literal = rescore(made_judged(), replace(config, d0="paper"), limit_scale=True)
-    np.testing.assert_allclose(literal.energies.body, [0.7, 1, 0.2, 0.6], atol=1e-6)
+    got = reweight(made_judged(), config, limit_scale=True)
+    np.testing.assert_allclose(got.scores.avoidance, [0, 1, 0.5, 0], atol=1e-6)
+    np.testing.assert_allclose(got.scores.body, [0.5, 1, 1, 0.6], atol=1e-6)
+    np.testing.assert_allclose(got.scores.timescale, [0.5, 0.25, 0.5, 0.25], atol=1e-6)
+    np.testing.assert_allclose(got.scores.total[:2], [2.5, 3.75], atol=1e-6)
+    literal = reweight(made_judged(), replace(config, d0="paper"), limit_scale=True)
+    np.testing.assert_allclose(literal.scores.body, [0.7, 1, 0.2, 0.6], atol=1e-6)
     narrow = replace(config, E_time=1.5)
     status = [OUT_OF_RANGE, OK, OUT_OF_RANGE, NOT_ADJUSTABLE]
-    assert rescore(made_judged(), narrow, limit_scale=True).timing.status.tolist() == status
+    assert reweight(made_judged(), narrow, limit_scale=True).timing.status.tolist() == status
     status = [OK, OK, OK, NOT_ADJUSTABLE]
-    assert rescore(made_judged(), narrow, limit_scale=False).timing.status.tolist() == status
+    assert reweight(made_judged(), narrow, limit_scale=False).timing.status.tolist() == status
 
 
 @pytest.mark.parametrize(
-    ("verdicts", "checks", "number"),
+    ("certainties", "checks", "number"),
     [
         ([CLEAR, CLEAR, CLEAR, CLEAR], 9, 0),
         ([TOUCHED, CLEAR, CLEAR, CLEAR], 9, 1),
-        ([TOUCHED, TOUCHED, CLEAR, CLEAR], 2, 1),  # the nearer to clear of those looked at
-        ([TOUCHED, TOUCHED, CLEAR, CLEAR], 9, 1),  # the third is touched too deep by its samples
+        (
+            [TOUCHED, TOUCHED, CLEAR, CLEAR],
+            2,
+            1,
+        ),  # the nearer to clear of those looked at
+        (
+            [TOUCHED, TOUCHED, CLEAR, CLEAR],
+            9,
+            1,
+        ),  # the third is touched too deep by its samples
     ],
 )
-def test_what_is_picked(verdicts: list[int], checks: int, number: int) -> None:
-    verdict = np.array(verdicts, np.int32)
+def test_what_is_picked(certainties: list[int], checks: int, number: int) -> None:
+    certainty = np.array(certainties, np.int32)
     clearance = np.array([-0.3, -0.2, -0.1, 0.9], np.float32)
     config = EnergyConfig(E_avoidance=0.01, D_body=0.5)
-    got = pick(made_judged(), verdict, clearance, config, limit_scale=True, checks=checks)
+    got = pick(made_judged(), certainty, clearance, config, limit_scale=True, checks=checks)
     assert int(got.number) == number
     assert (int(got.usable), int(got.apart)) == (3, 2)
     assert got.saturated.tolist() == [1, 1, 1]
     nothing = replace(config, E_time=1.0)
-    held = replace(made_judged().timing, s_time=np.full(4, 2.0, np.float32))
-    judged = replace(made_judged(), timing=held)
-    none = pick(judged, verdict, clearance, nothing, limit_scale=True, checks=checks)
+    twice = np.full(4, 2.0, np.float32)
+    judged = made_judged()
+    judged = replace(
+        judged,
+        timing=replace(judged.timing, s_time=twice),
+        measures=replace(judged.measures, s_time=twice),
+    )
+    none = pick(judged, certainty, clearance, nothing, limit_scale=True, checks=checks)
     assert (int(none.number), int(none.usable)) == (-1, 0)
 
 
 def test_energies_are_those_of_a_search_with_the_setting(any_graph: MotionGraph) -> None:
     rng = np.random.default_rng(3)
     config = AvoidanceConfig(limit_scale=False)
-    tables, device = search_tables(any_graph, config.body_rate, config.speed)
+    prepared = prepared_for(any_graph, config)
+    tables, device = prepared.tables, prepared.device
     rate = any_graph.frame_rate
     seen = 0
     while seen < 2:
@@ -115,19 +132,20 @@ def test_energies_are_those_of_a_search_with_the_setting(any_graph: MotionGraph)
         if not 8 < len(found.length) <= 128:
             continue
         seen += 1
-        judged = ask(any_graph, node, attack, crop, found, config, "overlap", 8.0).judged
+        query = Query(node=node, attack=attack, crop=crop, candidates=found)
+        judged = score_attack(prepared, query, config, "overlap", 8.0).judged
         for energy in [*GRID, replace(GRID[2], d0="paper")]:
             limited = replace(config, energy=energy, limit_scale=True)
             wanted = judge(device, found, attack, crop, limited, frame_rate=rate)
-            got = rescore(judged, energy, limit_scale=True)
+            got = reweight(judged, energy, limit_scale=True)
             count = len(found.length)
             assert np.array_equal(got.timing.status[:count], wanted["status"])
             usable = wanted["status"] == OK
             for name, values in {
-                "avoidance": got.energies.avoidance,
-                "body": got.energies.body,
-                "timescale": got.timescale,
-                "total": got.total,
+                "avoidance": got.scores.avoidance,
+                "body": got.scores.body,
+                "timescale": got.scores.timescale,
+                "total": got.scores.total,
             }.items():
                 close = np.asarray(values)[:count][usable]
                 np.testing.assert_allclose(close, wanted[name][usable], atol=1e-5)
@@ -145,14 +163,14 @@ def test_each_answer_is_that_of_a_search(any_graph: MotionGraph) -> None:
         for g, energy in enumerate(grid):
             wanted = choose(any_graph, node, attack, config=replace(config, energy=energy))
             seen.add(wanted.status)
-            assert STATUSES[got.status[g]] == wanted.status
+            assert tuple(Status)[got.status[g]] == wanted.status
             assert got.part(g) == wanted.part
             assert got.path(g) == tuple(wanted.walk.edges[: wanted.path_length].tolist())
             assert got.candidates is not None
             untimed = wanted.dropped.not_adjustable + wanted.dropped.time_scale
             assert got.usable[g] == len(got.candidates.length) - untimed
             if wanted.energy is None:
-                assert np.isnan(got.total[g])
+                assert np.isnan(got.scores.total[g])
                 continue
             np.testing.assert_allclose(got.clearance[g], wanted.clearance_m, atol=1e-5)
             np.testing.assert_allclose(got.time_scale[g], wanted.time_scale, atol=1e-6)
@@ -164,7 +182,7 @@ def test_each_answer_is_that_of_a_search(any_graph: MotionGraph) -> None:
 
 def test_one_compiled_call_for_a_grid() -> None:
     judged = made_judged()
-    verdict, clearance = np.zeros(4, np.int32), np.ones(4, np.float32)
+    certainty, clearance = np.zeros(4, np.int32), np.ones(4, np.float32)
     names = ("E_avoidance", "D_body", "E_time", "w_a", "w_b", "w_t")
 
     def grid(seed: int) -> EnergyConfig:
@@ -175,14 +193,14 @@ def test_one_compiled_call_for_a_grid() -> None:
     @jax.jit
     @chex.assert_max_traces(n=1)
     def traced(energies: EnergyConfig) -> Picked:
-        return pick_each(judged, verdict, clearance, energies, limit_scale=True, checks=9)
+        return pick_each(judged, certainty, clearance, energies, limit_scale=True, checks=9)
 
     for seed in range(3):
         energies = grid(seed)
         got = traced(energies)
         for g in range(7):
             one = replace(energies, **{name: getattr(energies, name)[g] for name in names})
-            wanted = pick(judged, verdict, clearance, one, limit_scale=True, checks=9)
+            wanted = pick(judged, certainty, clearance, one, limit_scale=True, checks=9)
             chex.assert_trees_all_close(jax.tree.map(lambda x, g=g: x[g], got), wanted, atol=1e-6)
 
 
@@ -191,9 +209,9 @@ def test_nothing_to_choose_from(made_graph: MotionGraph) -> None:
     ball = throw(rng)
     far = Attack(times=ball.times, centres=ball.centres + 40.0, radii=ball.radii)
     got = sweep_energies(made_graph, 0, far, GRID)
-    assert got.status.tolist() == [NO_CANDIDATE] * len(GRID)
+    assert got.status.tolist() == [Status.NO_CANDIDATE.code] * len(GRID)
     assert (got.crop, got.candidates) == (None, None)
-    assert np.isnan(got.total).all()
+    assert np.isnan(got.scores.total).all()
     narrow = AvoidanceConfig(T_window=1e-3)
     got = sweep_energies(made_graph, 0, ball, GRID[:1], config=narrow)
     assert got.path(0) == ()

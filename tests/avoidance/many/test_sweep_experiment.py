@@ -9,8 +9,8 @@ from experiments.avoidance.graphs import built
 from experiments.avoidance.sweep import AXES, Config, run
 from experiments.avoidance.throws import OUTCOMES, answer, standard_throws
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.io.settings import resolve
 from mgjax.runs.record import Points
+from mgjax.runs.settings import resolve
 
 
 def test_defaults_are_the_same_everywhere_and_those_of_a_search() -> None:

@@ -29,6 +29,7 @@ from mgjax.avoidance.play.clocks import (
 from mgjax.avoidance.play.planner import Planner
 from mgjax.avoidance.play.several_attacks import find_path, played_clearance
 from mgjax.avoidance.play.timeline import Piece, Timeline
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.core import planar
 from mgjax.core.errors import AttackError, ConfigError
@@ -307,6 +308,7 @@ def test_hits_and_misses_both_occur(made_graph: MotionGraph) -> None:
 def test_a_path_that_is_clear_of_both(made_graph: MotionGraph) -> None:
     rng = np.random.default_rng(8)
     spheres = preset_spheres(made_graph.skeleton)
+    prepared = prepared_for(made_graph, QUICK)
     joint = 0
     for _ in range(40):
         node = int(rng.integers(made_graph.num_nodes))
@@ -321,9 +323,9 @@ def test_a_path_that_is_clear_of_both(made_graph: MotionGraph) -> None:
             times=np.array([1.19, 1.21]), centres=np.tile(place, (2, 1, 1)), radii=np.array([0.02])
         )
         rest = rest_before(made_graph, node)
-        found = find_path(made_graph, node, newest, [other], QUICK, rest)
+        found = find_path(prepared, node, newest, [other], QUICK, rest)
         assert found.walk is not None
-        gaps = [clearance_between(made_graph, a, found.walk, 0.0, 5.0) for a in (newest, other)]
+        gaps = [clearance_between(prepared.posed, a, found.walk, 0.0, 5.0) for a in (newest, other)]
         if found.joint:
             assert min(gaps) >= CLEAR_M
             assert alone.walk.edges.tolist() != found.walk.edges.tolist()
@@ -352,7 +354,8 @@ def test_a_hit_before_the_path_can_begin(made_graph: MotionGraph) -> None:
         centres=np.array([[[0.0, 1.0, 0.0]], [[0.0, 90.0, 0.0]]]),
         radii=np.array([2.0]),
     )
-    assert find_path(made_graph, node, wall, [], QUICK, rest).status == "hit"
+    prepared = prepared_for(made_graph, QUICK)
+    assert find_path(prepared, node, wall, [], QUICK, rest).status == "hit"
 
 
 def test_an_attack_that_cannot_be_avoided_is_a_hit(made_graph: MotionGraph) -> None:

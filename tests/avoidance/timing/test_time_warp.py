@@ -12,6 +12,7 @@ from mgjax.avoidance.checks.written import Trace, clearance, trace_motion, walk_
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.selection import Selection, both_timings, select, write
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.avoidance.timing.time_warp import (
     LEEWAY,
@@ -278,7 +279,7 @@ def test_linear_where_the_smooth_form_is_touched(any_graph: MotionGraph, answers
             centres=np.tile(place, (2, 1, 1)),
             radii=np.array([0.001]),
         )
-        found = write(any_graph, speck, choice, QUICK)
+        found = write(prepared_for(any_graph, QUICK), speck, choice, QUICK)
         assert found.warp == "linear"
         assert found.status == "avoided"
         assert (found.clearance_m or 0.0) >= CLEAR_M

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mgjax.ballsport import Aim, BallPhysics, Net, aim, aim_batch, choose_frame, fly
-from mgjax.ballsport.aiming.problem import Launch, arrive, make_task
+from mgjax.ballsport.aiming.problem import Launch, arrive, make_problem
 from mgjax.ballsport.aiming.solve import IN_GROUND, NOT_FINITE, OK, STATUS_TEXT, TOO_FAR, UNDER_NET
 from mgjax.ballsport.aiming.updates import differential_updates
 from mgjax.core.errors import ConfigError
@@ -251,9 +251,9 @@ def test_updates_close_a_miss_and_stay_near() -> None:
     guess = np.array([3.0, 3.5, 2.0], np.float32)
     end = np.asarray(fly(START, guess, np.float32([1.1]), physics=PAPER)[0])
     target = end + np.array([0.15, 0.1, -0.1], np.float32)
-    task = make_task(START, target, guess, np.nan, 5.0, 30.0, None, PAPER)
+    problem = make_problem(START, target, guess, np.nan, 5.0, 30.0, None, PAPER)
     launch = Launch(jnp.asarray(guess), jnp.float32(1.1))
-    update = jax.jit(lambda most: differential_updates(task, launch, 1, most))
+    update = jax.jit(lambda most: differential_updates(problem, launch, 1, most))
     misses = [float(np.linalg.norm(update(most).miss)) for most in range(5)]
     assert misses == sorted(misses, reverse=True)
     assert misses[0] > 0.19
@@ -261,7 +261,7 @@ def test_updates_close_a_miss_and_stay_near() -> None:
     done = update(16)
     assert bool(done.kept)
     # To first order it is the smallest change: none that keeps the ball on the target is shorter.
-    jacobian = jax.jit(jax.jacfwd(lambda x: arrive(task, Launch(x[:3], x[3]), 1)[0]))
+    jacobian = jax.jit(jax.jacfwd(lambda x: arrive(problem, Launch(x[:3], x[3]), 1)[0]))
     x = jnp.concatenate([done.launch.velocity, done.launch.time[None]])
     free = np.linalg.svd(np.asarray(jacobian(x)))[2][3]
     step = np.asarray(x) - [*guess, 1.1]

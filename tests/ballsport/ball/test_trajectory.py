@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from mgjax.ballsport import BallPhysics, ball_states, contact_times, fly
-from mgjax.ballsport.ball.flight import decay
 from mgjax.ballsport.ball.trajectory import BOUNCES
 from tests.reference import ball as reference
 
@@ -88,20 +87,6 @@ def test_projectile_by_hand() -> None:
     np.testing.assert_allclose(got[0, 0], 1 + 4 * gain, atol=1e-6)
     # y: (3 + 9.8/0.5) of the same, less the terminal speed 19.6 m/s times 1 s.
     np.testing.assert_allclose(got[0, 1], 20 + 22.6 * gain - 19.6, atol=1e-5)
-
-
-def test_decay_is_smooth_across_the_series() -> None:
-    for c in (0.0, 1e-7, 1e-3, 0.2, 3.0):
-        t = np.linspace(0.0, 5.0, 400).astype(np.float32)
-        got = decay(jnp.asarray(t), jnp.asarray(c, jnp.float32))
-        x, wide = np.float64(np.float32(c)), t.astype(np.float64)
-        if c < 1e-6:
-            wanted = (np.ones_like(wide), wide, wide**2 / 2)
-        else:
-            gain = -np.expm1(-x * wide) / x
-            wanted = (np.exp(-x * wide), gain, (wide - gain) / x)
-        for a, b in zip(got, wanted, strict=True):
-            np.testing.assert_allclose(a, b, rtol=3e-6, atol=1e-6)
 
 
 @pytest.mark.parametrize("physics", [PAPER, VACUUM, QUADRATIC, BallPhysics(restitution=1.0)])

@@ -5,16 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mgjax.ballsport.clipset.build import HEADINGS, NO_LINK, ClipSet, build_clip_set, kind_of
+from mgjax.ballsport.clipset.build import NO_LINK, ClipSet, build_clip_set, kind_of
 from mgjax.ballsport.config import KINDS, AnalysisConfig, ClipSetConfig, KindConfig
 from mgjax.ballsport.hits.detect import Hit, hit_joint
 from mgjax.ballsport.hits.motion_vectors import leg_length, motion_vector, scaled
 from mgjax.clips.retarget import retarget
 from mgjax.clips.synthetic_kicks import LINKS, synthetic_kicks
 from mgjax.clips.types import Clip, Label
-from mgjax.core import planar
 from mgjax.core.errors import MotionError, SkeletonError
-from mgjax.core.kinematics import global_positions, planar_frames
+from mgjax.core.kinematics import global_positions
 from mgjax.core.skeleton import Skeleton
 from mgjax.io.load import load_motion
 from tests.ballsport.conftest import SMALL
@@ -61,21 +60,6 @@ def test_sections_fill_the_clips(clips: ClipSet) -> None:
         assert keys[4] == clips.hit_stops[hit] - 1
     assert (clips.ball_starts >= clips.hit_starts).all()
     assert (clips.ball_stops <= clips.hit_stops).all()
-
-
-def test_every_heading(clips: ClipSet) -> None:
-    hit = clips.num_hits - 1
-    first = clips.hit_starts[hit]
-    seen = []
-    for heading in range(len(HEADINGS)):
-        transform = clips.turned(hit, heading)
-        places = planar.apply(transform, clips.positions[first].astype(np.float64))
-        theta, x, z = np.asarray(planar_frames(clips.skeleton, places[None]))[0]
-        np.testing.assert_allclose([x, z], 0.0, atol=1e-5)
-        seen.append(theta)
-    turns = np.exp(1j * np.array(seen))
-    np.testing.assert_allclose(turns, np.exp(1j * HEADINGS), atol=1e-5)
-    np.testing.assert_allclose(np.degrees(HEADINGS), [-135, -90, -45, 0, 45, 90, 135, 180])
 
 
 def test_bone_path(made_set: ClipSet) -> None:

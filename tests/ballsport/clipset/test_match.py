@@ -119,7 +119,7 @@ def test_matcher(made_set: ClipSet) -> None:
 
 @pytest.mark.parametrize("value", [-1.0, float("nan")])
 def test_weights_that_cannot_be(value: float) -> None:
-    with pytest.raises(ConfigError, match="w_v, w_m and w_t"):
+    with pytest.raises(ConfigError, match=rf"^got w_m = {value}, expected 0 … 1e\+09$"):
         match_weights(replace(MatchConfig(), w_m=value))
     with pytest.raises(ConfigError, match="one above 0"):
         match_weights(MatchConfig(w_v=0, w_m=0, w_t=0))

@@ -24,7 +24,7 @@ from tests.reference import match as reference
 
 
 def shortened(clips: ClipSet, links: list[int], most: int = 24) -> ClipSet:
-    """The same set with a few short link motions."""
+    """A clip set with but a few short link motions."""
     starts = clips.link_starts[links]
     stops = np.minimum(clips.link_stops[links], starts + most - np.arange(len(links)))
     return replace(clips, link_clip=clips.link_clip[links], link_starts=starts, link_stops=stops)
@@ -171,11 +171,11 @@ def test_pieces_that_cannot_be(made_set: ClipSet, pieces, text: str) -> None:
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        ({"seconds": 0.0}, "seconds is 0.0"),
-        ({"seconds": float("nan")}, "seconds is nan"),
+        ({"seconds": 0.0}, "seconds = 0.0, expected 0.001 … 60"),
+        ({"seconds": float("nan")}, "seconds = nan"),
         ({"loop_s": -1.0}, "loop_s"),
         ({"w_p": (0.0,) * 5, "w_v": (0.0,) * 5}, "one above 0"),
-        ({"w_p": (-1.0,) * 5}, "at least 0"),
+        ({"w_p": (-1.0,) * 5}, "w_p = -1"),
     ],
 )
 def test_settings_that_cannot_be(made_set: ClipSet, change: dict, text: str) -> None:

@@ -10,14 +10,14 @@ import pytest
 from mgjax.ballsport.aiming.solve import OK, UNDER_NET
 from mgjax.ballsport.aiming.timed import aim_timed
 from mgjax.ballsport.ball.physics import BallPhysics, Net
-from mgjax.ballsport.clipset.ball_contact import bone_radius
 from mgjax.ballsport.clipset.build import ClipSet
 from mgjax.ballsport.clipset.repertoire import Repertoire, make_repertoire
-from mgjax.ballsport.scene.build import build_scene
+from mgjax.ballsport.config import AnalysisConfig, KindConfig, TransitionConfig, hit_bone
+from mgjax.ballsport.scene.build import build_scene, prepare_scene
 from mgjax.ballsport.scene.config import Pass, Player, SceneConfig
 from mgjax.ballsport.scene.gaze import look_at
 from mgjax.ballsport.scene.kick import kick_change, kicks_of
-from mgjax.ballsport.scene.link_paths import NO_HOP, find_chains
+from mgjax.ballsport.scene.link_paths import NO_HOP, find_link_paths
 from mgjax.ballsport.scene.player import new_actor
 from mgjax.ballsport.scene.rally import Rally
 from mgjax.ballsport.scene.report import scene_json
@@ -66,7 +66,7 @@ def test_contacts(moves: Repertoire) -> None:
     """Surfaces touch, ahead of the bone, above the ground; slow frames are left out."""
     for hit, touch in moves.touch.items():
         path, velocity = moves.clips.bone_path(hit)
-        reach = 0.11 + bone_radius(moves.clips.hit_bone[hit])
+        reach = 0.11 + hit_bone(moves.clips.hit_bone[hit]).radius_m
         away = touch.centres - path
         np.testing.assert_allclose(np.linalg.norm(away, axis=1), reach, atol=1e-6)
         assert (touch.centres[touch.mask, 1] >= 0.11).all()
@@ -133,7 +133,7 @@ def test_chains_leave_room_for_blends(moves: Repertoire, turn: int) -> None:
     run, frame = int(moves.runs[idle[0]]), int(moves.starts[idle[3]])
     hit = next(iter(moves.before))
     targets = moves.before[hit]
-    found = find_chains(moves, run, frame, frame + 5, targets, turn=turn, most=120)
+    found = find_link_paths(moves, run, frame, frame + 5, targets, turn=turn, most=120)
     assert len(found.frames)
     assert (found.frames <= 120).all()
     turns = {start: stop - moves.window for start, stop in moves.turns.values()}
@@ -215,18 +215,18 @@ def test_user_decides_before_the_launch(decided: tuple[Rally, list[tuple[Asked, 
         touch = rally.touches[question.touch]
         assert touch.by_user
         assert touch.kick.hit == question.hits[question.touch + 1]
-        leg = next(leg for leg in rally.legs if leg.stop == touch.time)
-        assert leg.start / rally.rate == pytest.approx(question.deadline_s)
+        flight = next(flight for flight in rally.flights if flight.stop == touch.time)
+        assert flight.start / rally.rate == pytest.approx(question.deadline_s)
         # The warped link motion, which is that of the hit, begins no sooner than the launch.
         begins = [time for _, time in rally.actors[touch.player].knots[1::2]]
-        assert min(begins) >= leg.start or touch.player == "A"
+        assert min(begins) >= flight.start or touch.player == "A"
     assert not rally.touches[2].by_user
 
 
-def test_legs_join(decided: tuple[Rally, list[tuple[Asked, int]]]) -> None:
+def test_flights_join(decided: tuple[Rally, list[tuple[Asked, int]]]) -> None:
     rally, _ = decided
-    assert [leg.number for leg in rally.legs] == [-1, 0, 1, 2, 3]
-    for before, touch, after in zip(rally.legs, rally.touches, rally.legs[1:], strict=False):
+    assert [flight.number for flight in rally.flights] == [-1, 0, 1, 2, 3]
+    for before, touch, after in zip(rally.flights, rally.touches, rally.flights[1:], strict=False):
         assert before.stop == touch.time == after.start
         np.testing.assert_array_equal(after.place, touch.centre)
         assert before.status == OK
@@ -248,7 +248,7 @@ def test_what_cannot_be_is_missed(moves: Repertoire) -> None:
     )
     scene = build_scene(config, moves=moves)
     report = scene_json(scene)
-    assert [leg.status for leg in scene.legs] == [OK, UNDER_NET, OK, OK, OK]
+    assert [flight.status for flight in scene.flights] == [OK, UNDER_NET, OK, OK, OK]
     assert (report["passes_made"], report["passes_missed"]) == (1, 1)
     assert report["passes"][0]["miss_m"] > 0.5
     assert report["passes"][1]["arrival_miss_m"] < 1e-3
@@ -270,3 +270,18 @@ def test_captured_kicks(real_set: ClipSet) -> None:
     scene = build_scene(config, moves=moves, choose=lambda asked: captured[0])
     assert scene.touches[0].kick.hit == captured[0]
     assert scene_json(scene)["worst"]["surface_gap_m"] < 0.01
+
+
+def test_settings_reach_the_clip_set() -> None:
+    """The sections of a scene are those of its clip set and of its transitions."""
+    config = replace(
+        SCENE,
+        takes=1,
+        kinds=KindConfig(pass_m_s=2.0, attack_m_s=100.0),
+        analysis=AnalysisConfig(smoothing_s=0.05),
+        transition=TransitionConfig(seconds=0.5),
+    )
+    usual, moves = prepare_scene(replace(SCENE, takes=1)), prepare_scene(config)
+    assert (usual.window, moves.window) == (10, 15)
+    assert config.clip_set.kinds == config.kinds
+    assert max(moves.clips.vectors.v_max) < max(usual.clips.vectors.v_max)

@@ -10,7 +10,7 @@ import pytest
 from mgjax.clips.folder import load_clips
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.core import planar
-from mgjax.core.errors import ConfigError, GraphError
+from mgjax.core.errors import ConfigError, GraphError, PathError
 from mgjax.core.kinematics import global_positions, planar_frames
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
@@ -24,7 +24,7 @@ from mgjax.hybrid.paths.frontier import Front, Search
 from mgjax.hybrid.paths.kernel import Request, bound, extend, make_request
 from mgjax.hybrid.paths.macro_edges import NO_PIECE, Strides, stride_tables
 from mgjax.hybrid.paths.result import lay_out
-from mgjax.hybrid.paths.sketch import PathError, Sketch
+from mgjax.hybrid.paths.sketch import Sketch
 from tests.hybrid.paths.made import walking
 from tests.reference import path as reference
 

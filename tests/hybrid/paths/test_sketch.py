@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mgjax.core.errors import FileFormatError
+from mgjax.core.errors import FileFormatError, PathError
 from mgjax.hybrid.paths.curve import make_curve
-from mgjax.hybrid.paths.sketch import PathError, load_sketch, make_sketch
+from mgjax.hybrid.paths.sketch import load_sketch, make_sketch
 
 STROKE = [[0.05 * i, 0.0] for i in range(40)]
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mgjax.core.errors import FileFormatError
-from mgjax.hybrid.reaching.targets import ReachError, load_targets, make_target
+from mgjax.core.errors import FileFormatError, ReachError
+from mgjax.hybrid.reaching.targets import load_targets, make_target
 
 HAND = {"limb": "right_hand", "place": [0, 1, 2], "when": 1.5}
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mgjax.core.errors import ReachError
 from mgjax.core.kinematics import global_positions
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
@@ -14,7 +15,7 @@ from mgjax.hybrid.config import PathConfig, ReachConfig
 from mgjax.hybrid.ik.limbs import find_limb
 from mgjax.hybrid.paths.sketch import make_sketch
 from mgjax.hybrid.reaching.result import ReachResult
-from mgjax.hybrid.reaching.targets import ReachError, make_target
+from mgjax.hybrid.reaching.targets import make_target
 from mgjax.hybrid.reaching.walk import reach
 from mgjax.io.bvh_write import save_bvh
 from mgjax.io.load import load_motion

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 import pytest
 
 from mgjax.core.errors import ConfigError, FileFormatError
-from mgjax.io.settings import changed, describe, resolve, to_toml
+from mgjax.io.settings import changed
+from mgjax.io.toml_file import to_toml
 from mgjax.runs.experiment import execute
+from mgjax.runs.settings import describe, resolve
 from tests.runs.toys import Config, Inner, names, simple, toy
 
 
@@ -166,4 +168,4 @@ def test_help(capsys):
 
 def test_changed_places():
     with pytest.raises(ConfigError, match=r"^here: got balls"):
-        changed(Config(), "balls", "x", "here: ")
+        changed(Config(), "balls", "x", "here")

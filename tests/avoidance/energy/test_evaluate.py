@@ -9,17 +9,16 @@ import pytest
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.batch import evaluated, make_shot
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
-from mgjax.avoidance.body.device_tables import search_tables
-from mgjax.avoidance.body.edge_tables import edge_tables, speed_classes
+from mgjax.avoidance.body.edge_tables import speed_classes
 from mgjax.avoidance.body.spheres import sphere_centres
 from mgjax.avoidance.candidates.batch import pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
-from mgjax.avoidance.energy import accumulate as over_time
-from mgjax.avoidance.energy import score as evaluate
+from mgjax.avoidance.energy import accumulate, evaluate
 from mgjax.avoidance.energy.accumulate import TIMES
-from mgjax.avoidance.energy.energies import FAR
-from mgjax.avoidance.energy.score import judge
+from mgjax.avoidance.energy.evaluate import judge
+from mgjax.avoidance.prepared import prepared_for
+from mgjax.avoidance.rates import FAR
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.kinematics import global_positions
 from mgjax.graph.types import NO_EDGE, MotionGraph
@@ -43,7 +42,7 @@ def searched(
 ) -> tuple[Candidates, Attack, Crop]:
     """A node with candidates for a random ball."""
     rng = np.random.default_rng(seed)
-    tables = edge_tables(graph, config.body_rate)
+    tables = prepared_for(graph, config).tables
     for _ in range(200):
         thrown = throw(rng) if attack is None else attack
         crop = crop_attack(thrown, radius=1.0, height=2.3)
@@ -68,7 +67,7 @@ def judged(
     crop: Crop,
     config: AvoidanceConfig,
 ) -> dict[str, np.ndarray]:
-    _, device = search_tables(graph, config.body_rate, config.speed)
+    device = prepared_for(graph, config).device
     return judge(device, candidates, attack, crop, config, frame_rate=graph.frame_rate)
 
 
@@ -87,7 +86,7 @@ def slowly(
     With ``exact_poses`` the body comes from the walk's motion at every time, else from spheres
     that move linearly from frame to frame, as the tables have them.
     """
-    tables = edge_tables(graph, config.body_rate)
+    tables = prepared_for(graph, config).tables
     edges = candidates.edges[index, : candidates.length[index]]
     part = candidates.part[index]
     seconds = graph.edge_frames[edges] / graph.frame_rate
@@ -231,7 +230,7 @@ def test_times_in_lots_change_nothing(
     assert 4 * 4 + 1 < evaluated(attack, crop, config) <= min(5 * 4 + 1, TIMES)
     at_once = judged(made_graph, candidates, attack, crop, config)
     jax.clear_caches()
-    monkeypatch.setattr(over_time, "TIMES", 5)  # each lot begins with the last of the one before
+    monkeypatch.setattr(accumulate, "TIMES", 5)  # each lot begins with the last of the one before
     in_lots = judged(made_graph, candidates, attack, crop, config)
     jax.clear_caches()
     for key in ("d", "d0", "penetration", "avoidance", "body", "total"):

@@ -1,0 +1,62 @@
+"""Which command was asked for; its work is imported only then, so that ``--help`` is quick."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from typing import Annotated
+
+import tyro
+
+from mgjax.cli.arguments import Avoid, Bench, Build, Coverage, Demo, Info, Scene, Sensor, Walk
+
+MODULES: dict[type, str] = {
+    Info: "info",
+    Build: "build",
+    Avoid: "avoid",
+    Walk: "walk",
+    Coverage: "coverage",
+    Scene: "scene",
+    Demo: "demo",
+    Bench: "bench",
+    Sensor: "sensor",
+}
+"""Beside this file, the module of each command; its ``run`` takes the arguments."""
+
+Command = (
+    Annotated[Info, tyro.conf.subcommand("info")]
+    | Annotated[Build, tyro.conf.subcommand("build")]
+    | Annotated[Avoid, tyro.conf.subcommand("avoid")]
+    | Annotated[Walk, tyro.conf.subcommand("walk")]
+    | Annotated[Coverage, tyro.conf.subcommand("coverage")]
+    | Annotated[Scene, tyro.conf.subcommand("scene")]
+    | Annotated[Demo, tyro.conf.subcommand("demo")]
+    | Annotated[Bench, tyro.conf.subcommand("bench")]
+    | Annotated[Sensor, tyro.conf.subcommand("sensor")]
+)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs one command; returns its exit status: 0, or 2 for bad input with one line on stderr."""
+    command = tyro.cli(
+        Command,  # pyright: ignore[reportArgumentType]
+        prog="mgjax",
+        description="Motion graphs for characters that react.",
+        args=arguments,
+        config=(tyro.conf.FlagCreatePairsOff, tyro.conf.HelptextFromCommentsOff),
+    )
+    from mgjax.core.errors import MgjaxError
+    from mgjax.core.xla.compilation import enable_cache
+
+    enable_cache()
+    try:
+        importlib.import_module(f"mgjax.cli.{MODULES[type(command)]}").run(command)
+    except MgjaxError as error:
+        print("mgjax: " + " ".join(str(error).split("\n")), file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        return 0
+    except KeyboardInterrupt:
+        print("mgjax: interrupted; nothing was written", file=sys.stderr)
+        return 130
+    return 0
