@@ -21,7 +21,7 @@ import numpy as np
 from experiments.avoidance.graphs import graph_of
 from experiments.avoidance.throws import percentiles
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
@@ -82,9 +82,7 @@ def seeded_balls(graph: MotionGraph, count: int, seed: int) -> list[tuple[int, A
     for _ in range(count):
         node = int(rng.integers(graph.num_nodes))
         side = rng.uniform(0, 2 * np.pi)
-        at = np.array([0.0, rng.uniform(0.5, 1.7), 0.0])
-        start = at + 5.0 * np.array([np.sin(side), 0.0, np.cos(side)])
-        balls.append((node, ball_attack(start, at, speed=10.0, arrives=1.2)))
+        balls.append((node, ball_from(side, rng.uniform(0.5, 1.7))))
     return balls
 
 

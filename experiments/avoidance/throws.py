@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
+from mgjax.avoidance.body.edge_tables import EdgeTables
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.checks.written import clearance, trace_motion, walk_motion
 from mgjax.avoidance.choice.selection import Selection, select
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
@@ -56,9 +57,13 @@ class Throws:
     def attack(self, number: int) -> Attack:
         """One ball."""
         side = self.side[number]
-        at = np.array([0.0, self.height[number], 0.0])
-        start = at + DISTANCE_M * np.array([np.sin(side), 0.0, np.cos(side)])
-        return ball_attack(start, at, speed=self.speed, arrives=self.arrives)
+        return ball_from(
+            float(side),
+            float(self.height[number]),
+            distance=DISTANCE_M,
+            speed=self.speed,
+            arrives=self.arrives,
+        )
 
     def node_of(self, number: int, graph: MotionGraph) -> int:
         """Where the character stands."""
@@ -122,7 +127,7 @@ def answer_unscaled(graph: MotionGraph, throws: Throws, config: AvoidanceConfig)
     Of the candidates of eq. 1 the ``config.checks`` nearest in time are checked exactly; avoided
     is what one of them, with one of a few random continuations, stays clear of.
     """
-    tables = edge_tables(graph, config.body_rate)
+    tables = prepared_for(graph, config).tables
     outcomes: list[str] = []
     gaps: list[float] = []
     for number in range(len(throws)):

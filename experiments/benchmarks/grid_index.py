@@ -14,15 +14,16 @@ from typing import Any
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
+from mgjax.avoidance.body.edge_tables import EdgeTables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index.build import build_index
 from mgjax.avoidance.index.cells import HEIGHTS
 from mgjax.avoidance.index.index import GridIndex
 from mgjax.avoidance.index.swept_cells import swept_cells
+from mgjax.avoidance.prepared import prepared_for
 from mgjax.core.xla.compilation import enable_cache
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import MotionGraph
@@ -33,9 +34,7 @@ BALLS, WARM, NODES = 500, 50, 300
 def ball(rng: np.random.Generator) -> Attack:
     """From 5 m away, at the vertical above the character."""
     side, height = rng.uniform(0, 2 * np.pi), rng.uniform(0.5, 1.7)
-    at = np.array([0.0, height, 0.0])
-    start = at + 5.0 * np.array([np.sin(side), 0.0, np.cos(side)])
-    return ball_attack(start, at, speed=10.0, arrives=1.2)
+    return ball_from(side, height)
 
 
 def paths_per_cell(index: GridIndex, node: int) -> np.ndarray:
@@ -122,7 +121,7 @@ def lookup_row(
 
 def rows(folder: str) -> list[dict[str, Any]]:
     graph, config = load_graph(folder), AvoidanceConfig()
-    tables = edge_tables(graph, config.body_rate)
+    tables = prepared_for(graph, config).tables
     built, index = build_row(graph)
     return [built, lookup_row(graph, tables, index, config)]
 

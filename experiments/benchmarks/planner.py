@@ -21,8 +21,8 @@ from typing import Any
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.ball import ball_attack
-from mgjax.avoidance.attacks.transform import moved
+from mgjax.avoidance.attacks.ball import ball_from
+from mgjax.avoidance.attacks.transform import in_frame
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig
@@ -41,9 +41,10 @@ FRAME_RATE = 60.0
 def ball_at(rng: np.random.Generator, root: np.ndarray, now: float) -> Attack:
     """A ball at 10 m/s from any side at the body's axis, in the world, on the planner's clock."""
     side = rng.uniform(0, 2 * np.pi)
-    at = np.array([root[0], rng.uniform(0.5, 1.7), root[2]])
-    start = at + 5.0 * np.array([np.sin(side), 0.0, np.cos(side)])
-    ball = ball_attack(start, at, speed=10.0, arrives=rng.uniform(0.7, 1.6))
+    height = rng.uniform(0.5, 1.7)
+    ball = ball_from(
+        side, height, at=(float(root[0]), float(root[2])), arrives=rng.uniform(0.7, 1.6)
+    )
     return replace(ball, times=ball.times + now)
 
 
@@ -118,7 +119,7 @@ def warm_up(graph: MotionGraph, config: AvoidanceConfig, *, count: int = 40) -> 
     for _ in range(count):
         node, now = int(rng.integers(graph.num_nodes)), float(rng.uniform(0.0, 0.4))
         ball = ball_at(rng, np.array([0.0, 1.0, 0.0]), 0.0)
-        shifted = moved(ball, np.asarray(planar.identity(ball.centres)), now)
+        shifted = in_frame(ball, np.asarray(planar.identity(ball.centres)), now)
         choose(graph, node, shifted, config=config)
 
 

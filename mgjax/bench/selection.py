@@ -12,7 +12,7 @@ import numpy as np
 from tqdm import tqdm
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.choice.choosing import best_of, choose
@@ -49,10 +49,8 @@ def random_balls(graph: MotionGraph, count: int, seed: int) -> list[Ball]:
     balls = []
     for _ in range(count):
         side, height = rng.uniform(0, 2 * np.pi), rng.uniform(0.5, 1.7)
-        at = np.array([0.0, height, 0.0])
-        start = at + DISTANCE_M * np.array([np.sin(side), 0.0, np.cos(side)])
         node = int(rng.integers(graph.num_nodes))
-        balls.append(Ball(node=node, attack=ball_attack(start, at, speed=10.0, arrives=1.2)))
+        balls.append(Ball(node=node, attack=ball_from(side, height, distance=DISTANCE_M)))
     return balls
 
 
@@ -98,12 +96,12 @@ def condition_rows(
     times = np.median(seconds, axis=1) * 1e3
     rows = []
     for c, (looked_up, sliced) in enumerate(CONDITIONS):
-        some = np.where(counts[0] > 0, counts[0], counts[1]) if looked_up else counts[1]
+        counted = np.where(counts[0] > 0, counts[0], counts[1]) if looked_up else counts[1]
         row = _row(times[c])
         row |= {
             "index": looked_up,
             "slices": sliced,
-            "candidates": float(some.mean()),
+            "candidates": float(counted.mean()),
             "compile_s": max(float(first[c] - np.median(seconds[c], axis=0).sum()), 0.0),
             "avoided": float((statuses[c] == "avoided").mean()),
             "index_holds_candidates": float((counts[0] > 0).mean()),
@@ -114,7 +112,7 @@ def condition_rows(
         if groups[group].any():
             row[group] = _row(times[c][groups[group]]) | {
                 "share": float(groups[group].mean()),
-                "candidates": float(some[groups[group]].mean()),
+                "candidates": float(counted[groups[group]].mean()),
             }
         rows.append(row)
     return rows
@@ -138,12 +136,12 @@ def _counts(
     touched = None if known is None else index.touched(known, ball.attack, crop)
     if known is None or touched is None or not touched.any():
         return (0, len(every.length)), False
-    found = index.walks(known[touched])
-    query = Query(node=ball.node, attack=ball.attack, crop=crop, candidates=found)
+    looked_up = index.walks(known[touched])
+    query = Query(node=ball.node, attack=ball.attack, crop=crop, candidates=looked_up)
     decision = best_of(prepared, query, config)
     # Where the index holds nothing that is clear, the other candidates are enumerated after all.
     answered = decision.choice is not None and decision.choice.status == Status.AVOIDED
-    return (len(found.length), len(every.length)), answered
+    return (len(looked_up.length), len(every.length)), answered
 
 
 def _row(times_ms: np.ndarray) -> dict[str, Any]:
@@ -164,12 +162,12 @@ def evaluation_rows(
     pool = _many_candidates(graph, max(sizes), crop.middle)
     rows = []
     for size in sizes:
-        some = Candidates(
+        candidates = Candidates(
             edges=pool.edges[:size], length=pool.length[:size], part=pool.part[:size], overflow=0
         )
 
-        def work(some: Candidates = some) -> Any:
-            return judge(device, some, ball.attack, crop, config, frame_rate=graph.frame_rate)
+        def work(candidates: Candidates = candidates) -> Any:
+            return judge(device, candidates, ball.attack, crop, config, frame_rate=graph.frame_rate)
 
         row = _timed(work, repeats)
         rows.append({"case": "evaluation alone", "candidates": size, **row})

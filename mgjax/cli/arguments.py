@@ -70,14 +70,16 @@ class Avoid(Output):
 
     graph: Path
     """Folder of a graph."""
-    start: Annotated[Vector, tyro.conf.arg(name="from", metavar="X Y Z")]
+    start: Annotated[Vector | None, tyro.conf.arg(name="from", metavar="X Y Z")] = None
     """Where the ball is thrown from, m, in the character's frame (x left, y up, z ahead)."""
-    at: Annotated[Vector, tyro.conf.arg(metavar="X Y Z")]
+    at: Annotated[Vector | None, tyro.conf.arg(metavar="X Y Z")] = None
     """Where it is thrown at, m."""
-    speed: float
+    speed: float | None = None
     """Speed at launch, m/s."""
-    arrives: float
+    arrives: float | None = None
     """Seconds from now until the ball is there."""
+    attack: Path | None = None
+    """JSON file of balls or moving spheres, in place of one ball."""
     out: Path
     """Folder for motion.bvh, result.json, scene.png and volumes.npz."""
     gravity: bool = False

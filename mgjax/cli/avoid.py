@@ -10,6 +10,7 @@ import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.json_file import load_attack
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.choice.selection import Selection, both_timings, select
 from mgjax.avoidance.config import AvoidanceConfig
@@ -27,7 +28,7 @@ from mgjax.pictures.throws import Throw, scene_picture
 
 
 def run(command: Avoid) -> None:
-    """Throws one ball and writes what came of it."""
+    """Throws a ball, or what a file says, and writes what came of it."""
     if command.seed < 0:
         raise ConfigError(f"got seed {command.seed}, expected 0 or more")
     config = load_config(command.config, AvoidanceConfig) if command.config else AvoidanceConfig()
@@ -35,14 +36,7 @@ def run(command: Avoid) -> None:
     node = command.node
     if node is None:
         node = int(np.random.default_rng(command.seed).integers(graph.num_nodes))
-    attack = ball_attack(
-        np.array(command.start),
-        np.array(command.at),
-        speed=command.speed,
-        arrives=command.arrives,
-        gravity=command.gravity,
-        radius=command.radius,
-    )
+    attack = attack_of(command)
     with output_folder(command.out) as folder:
         selection = select(graph, node, attack, config=config, seed=command.seed)
         result = selection_json(graph, selection)
@@ -51,6 +45,35 @@ def run(command: Avoid) -> None:
         write_volumes(folder / "volumes.npz", graph, attack, selection)
         scene_picture(folder / "scene.png", graph, [Throw(attack=attack, selection=selection)])
     emit(result, [describe(graph, selection), f"written to {command.out}"], as_json=command.json)
+
+
+def attack_of(command: Avoid) -> Attack:
+    """The attack of a file, or the ball that the arguments describe.
+
+    Raises:
+        ConfigError: both, or a ball that is not fully described.
+        FileFormatError, AttackError: it is no attack.
+    """
+    start, at, speed, arrives = command.start, command.at, command.speed, command.arrives
+    ball = {"--from": start, "--at": at, "--speed": speed, "--arrives": arrives}
+    if command.attack is not None:
+        extra = [name for name, value in ball.items() if value is not None]
+        extra += ["--gravity"] if command.gravity else []
+        extra += ["--radius"] if command.radius != Avoid.radius else []
+        if extra:
+            raise ConfigError(f"got --attack beside {', '.join(extra)}, expected only one of both")
+        return load_attack(command.attack)
+    if start is None or at is None or speed is None or arrives is None:
+        missing = ", ".join(name for name, value in ball.items() if value is None)
+        raise ConfigError(f"got no {missing}, expected {', '.join(ball)}, or --attack")
+    return ball_attack(
+        np.array(start),
+        np.array(at),
+        speed=speed,
+        arrives=arrives,
+        gravity=command.gravity,
+        radius=command.radius,
+    )
 
 
 def selection_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
@@ -146,21 +169,21 @@ def _part_json(graph: MotionGraph, part: int) -> dict[str, Any]:
 def write_volumes(path: Path, graph: MotionGraph, attack: Attack, selection: Selection) -> None:
     """Attack and body over time, as they were checked.
 
-    Before its first and after its last moment the attack is not there: it is then put 1 km away,
-    back or on along its flight, so that every distance stays a number and whoever joins the moments
-    by lines does not draw one through the body.
+    A sphere that is not there is put 1 km away, back or on along its flight, so that every distance
+    stays a number and whoever joins the moments by lines does not draw one through the body.
     """
     trace = selection.trace
     centres = attack.at(trace.times)
-    knots = attack.centres
-    for gone, end, way in (
-        (trace.times < attack.start - 1e-9, knots[0], knots[0] - knots[min(1, len(knots) - 1)]),
-        (trace.times > attack.end + 1e-9, knots[-1], knots[-1] - knots[-min(2, len(knots))]),
-    ):
-        length = np.linalg.norm(way, axis=-1, keepdims=True)
-        still = np.array([0.0, -1.0, 0.0])
-        away = np.where(length > 1e-9, way / np.maximum(length, 1e-9), still)
-        centres[gone] = end + 1000.0 * away
+    still = np.array([0.0, -1.0, 0.0])
+    for sphere, (start, stop) in enumerate(zip(*attack.lifetimes, strict=True)):
+        knots = attack.centres[(attack.times >= start) & (attack.times <= stop), sphere]
+        for absent, end, inner in (
+            (trace.times < start - 1e-9, knots[0], knots[min(1, len(knots) - 1)]),
+            (trace.times > stop + 1e-9, knots[-1], knots[-min(2, len(knots))]),
+        ):
+            length = np.linalg.norm(end - inner, axis=-1)
+            direction = (end - inner) / length if length > 1e-9 else still
+            centres[absent, sphere] = end + 1000.0 * direction
     np.savez_compressed(
         path,
         times=trace.times,

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.checks.written import walk_motion
 from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig
@@ -75,9 +75,7 @@ def throw_balls(graph: MotionGraph, balls: int, seed: int) -> tuple[list[Throw],
     walks: list[Walk] = []
     for number in range(balls):
         side = rng.uniform(0, 2 * np.pi)
-        target = np.array([0.0, HEIGHTS_M[number % len(HEIGHTS_M)], 0.0])
-        start = target + 5.0 * np.array([np.sin(side), 0.0, np.cos(side)])
-        attack = ball_attack(start, target, speed=10.0, arrives=1.2)
+        attack = ball_from(float(side), HEIGHTS_M[number % len(HEIGHTS_M)])
         selection = select(graph, node, attack, config=config, seed=seed + number)
         throws.append(Throw(attack=attack, selection=selection))
         walks.append(selection.walk)

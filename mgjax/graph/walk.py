@@ -79,6 +79,49 @@ def place_edges(
     return np.array(places)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WalkFrames:
+    """The two frames of a graph that each of some poses of a walk lies between.
+
+    Attributes:
+        low, high: the frames. [T]
+        edge_low, edge_high: which edges of the walk play them, counted from 0. [T]
+        share: how far from ``low`` to ``high``, 0 … 1. [T]
+    """
+
+    low: Int[np.ndarray, " T"]
+    high: Int[np.ndarray, " T"]
+    edge_low: Int[np.ndarray, " T"]
+    edge_high: Int[np.ndarray, " T"]
+    share: Float[np.ndarray, " T"]
+
+
+def frames_at(graph: MotionGraph, walk: Walk, times: Float[np.ndarray, " T"]) -> WalkFrames:
+    """The frames that a walk plays at the given seconds, also over a seam.
+
+    The pose after the last one that an edge plays is the first of the next edge. Times before the
+    beginning and after the end give the first and the last pose.
+    """
+    begins = walk.starts(graph)
+    within = np.clip(np.asarray(times, dtype=np.float64), 0.0, begins[-1])
+    index = np.clip(np.searchsorted(begins, within, side="right") - 1, 0, len(walk.edges) - 1)
+    edges = walk.edges[index]
+    counts = graph.edge_frames[edges]
+    local = (within - begins[index]) / walk.scales[index] * graph.frame_rate
+    local = np.clip(local, 0.0, counts)
+    step = np.minimum(local.astype(np.int64), counts - 1)
+    crosses = (step == counts - 1) & (index + 1 < len(walk.edges))
+    after = np.minimum(index + crosses, len(walk.edges) - 1)
+    low = graph.edge_starts[edges] + step
+    return WalkFrames(
+        low=low,
+        high=np.where(crosses, graph.edge_starts[walk.edges[after]], low + 1),
+        edge_low=index,
+        edge_high=after,
+        share=local - step,
+    )
+
+
 def sample_walk(
     graph: MotionGraph,
     walk: Walk,
@@ -92,20 +135,9 @@ def sample_walk(
     each edge's last stretch leads to the pose at which the next begins. Times before the beginning
     and after the end give the first and the last pose.
     """
-    begins = walk.starts(graph)
-    where = np.clip(np.asarray(times, dtype=np.float64), 0.0, begins[-1])
-    index = np.clip(np.searchsorted(begins, where, side="right") - 1, 0, len(walk.edges) - 1)
-    edges = walk.edges[index]
-    local = (where - begins[index]) / walk.scales[index] * graph.frame_rate
-    local = np.clip(local, 0.0, graph.edge_frames[edges])
-    step = np.minimum(np.floor(local).astype(np.int64), graph.edge_frames[edges] - 1)
-    share = (local - step)[:, None]
+    played = frames_at(graph, walk, times)
+    share = played.share[:, None]
     placed = place_edges(graph, walk.edges, start)
-    # The pose after the last one that an edge plays is the first of the next edge.
-    crosses = (step == graph.edge_frames[edges] - 1) & (index + 1 < len(walk.edges))
-    after = np.minimum(index + crosses, len(walk.edges) - 1)
-    low = graph.edge_starts[edges] + step
-    high = np.where(crosses, graph.edge_starts[walk.edges[after]], low + 1)
 
     def pose(frames: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         rotations = graph.local_rotations[frames].astype(np.float64)
@@ -115,8 +147,8 @@ def sample_walk(
         rotations[:, 0] = turn
         return np.asarray(root), rotations
 
-    root_low, turns_low = pose(low, placed[index])
-    root_high, turns_high = pose(high, placed[after])
+    root_low, turns_low = pose(played.low, placed[played.edge_low])
+    root_high, turns_high = pose(played.high, placed[played.edge_high])
     root = root_low * (1 - share) + root_high * share
     rotations = np.asarray(quaternion.slerp(turns_low, turns_high, share))
     rate = 1 / (times[1] - times[0]) if len(times) > 1 else graph.frame_rate

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,40 +12,18 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.body.spheres import preset_spheres
-from mgjax.avoidance.checks.written import clearance
-from mgjax.avoidance.choice.selection import Selection
-from mgjax.avoidance.timing.time_warp import part_moments
-from mgjax.core.kinematics import global_positions
 from mgjax.graph.types import MotionGraph
+from mgjax.pictures.throw_scene import (
+    Scene,
+    Throw,
+    balls_at,
+    passing_ball,
+    pose_at,
+    throw_scene,
+    track_of,
+)
 
 NOW, BEGIN, PASS, BALL = "#9aa0a6", "#1f6fb4", "#c0392b", "#e67e22"
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Throw:
-    """One attack and the answer to it."""
-
-    attack: Attack
-    selection: Selection
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Scene:
-    """What the panels share, in the planar frame of the start pose."""
-
-    throw: Throw
-    positions: np.ndarray  # [F, J, 3]
-    rate: float
-    bones: np.ndarray  # [B, 2]
-    gaps: np.ndarray  # clearance per interval of the trace
-    radii: np.ndarray
-    t_begin: float | None
-    t_end: float | None
-    t_pass: float
-    side: np.ndarray  # unit vector along the flight, on the floor
-    kind: str
 
 
 def scene_picture(path: str | Path, graph: MotionGraph, throws: list[Throw]) -> None:
@@ -56,7 +33,7 @@ def scene_picture(path: str | Path, graph: MotionGraph, throws: list[Throw]) -> 
     figure = Figure(figsize=(15, 5.1 * rows + 0.3), dpi=80, layout="constrained")
     parts = figure.subfigures(rows, 1, squeeze=False)
     for number, (part, throw) in enumerate(zip(parts[:, 0], throws, strict=True), 1):
-        scene = _prepare(graph, throw)
+        scene = throw_scene(graph, throw)
         grid = part.add_gridspec(2, 3, height_ratios=(6, 1), width_ratios=(1.5, 1, 1))
         part.suptitle(_headline(scene, number, rows), fontsize=12, fontweight="bold")
         _side_view(part.add_subplot(grid[0, 0]), scene)
@@ -66,39 +43,9 @@ def scene_picture(path: str | Path, graph: MotionGraph, throws: list[Throw]) -> 
     figure.savefig(path)
 
 
-def _prepare(graph: MotionGraph, throw: Throw) -> _Scene:
-    chosen, attack = throw.selection, throw.attack
-    skeleton = graph.skeleton
-    spheres = preset_spheres(skeleton)
-    gaps, _ = clearance(attack, chosen.trace, spheres.radii)
-    flight = attack.centres[-1, 0] - attack.centres[0, 0]
-    flat = np.array([flight[0], 0.0, flight[2]])
-    side = flat / np.linalg.norm(flat) if np.linalg.norm(flat) > 1e-6 else np.array([0, 0, 1.0])
-    begin = end = None
-    kind = ""
-    if chosen.part is not None:
-        moments = part_moments(graph, chosen.walk, chosen.path_length, chosen.part)
-        begin, _, end = chosen.timing.when(moments).tolist()
-        kind = f"{graph.label_kind[chosen.part]} {graph.label_direction[chosen.part]}".strip()
-    bones = [(p, j) for j, p in enumerate(skeleton.parents) if p >= 0]
-    return _Scene(
-        throw=throw,
-        positions=np.asarray(global_positions(skeleton, chosen.motion)),
-        rate=chosen.motion.frame_rate,
-        bones=np.array(bones),
-        gaps=gaps,
-        radii=spheres.radii,
-        t_begin=begin,
-        t_end=end,
-        t_pass=float(chosen.trace.times[int(np.argmin(gaps))]),
-        side=side,
-        kind=kind,
-    )
-
-
-def _headline(scene: _Scene, number: int, total: int) -> str:
+def _headline(scene: Scene, number: int, total: int) -> str:
     attack, chosen = scene.throw.attack, scene.throw.selection
-    first = attack.centres[0, 0]
+    first = track_of(attack, scene.ball)[0]
     # The start frame has +Z ahead and +X to the left.
     angle = np.degrees(np.arctan2(first[0], first[2])) % 360
     words = ("ahead", "ahead left", "the left", "behind left")
@@ -107,7 +54,7 @@ def _headline(scene: _Scene, number: int, total: int) -> str:
     prefix = f"Ball {number}: " if total > 1 else "Ball "
     text = (
         f"{prefix}from {origin}, {attack.largest_speed:.0f} m/s, passing at"
-        f" {scene.t_pass:.2f} s at a height of {_ball_at(scene, scene.t_pass)[1]:.2f} m"
+        f" {scene.t_pass:.2f} s at a height of {passing_ball(scene)[1]:.2f} m"
     )
     if chosen.status == "no_candidate":
         return f"{text}\nno candidate: no avoidance part comes at the right time"
@@ -118,16 +65,7 @@ def _headline(scene: _Scene, number: int, total: int) -> str:
     return f"{text}\n{result} by: {scene.kind}{stretch}, {gap}"
 
 
-def _frame(scene: _Scene, time: float) -> np.ndarray:
-    index = round(time * scene.rate)
-    return scene.positions[min(max(index, 0), len(scene.positions) - 1)]
-
-
-def _ball_at(scene: _Scene, time: float) -> np.ndarray:
-    return scene.throw.attack.at(np.array([time]))[0, 0]
-
-
-def _moments(scene: _Scene) -> list[tuple[float, str, str]]:
+def _moments(scene: Scene) -> list[tuple[float, str, str]]:
     moments = [(0.0, NOW, "now")]
     if scene.t_begin is not None:
         moments.append((scene.t_begin, BEGIN, f"{scene.kind} begins, {scene.t_begin:.2f} s"))
@@ -135,7 +73,7 @@ def _moments(scene: _Scene) -> list[tuple[float, str, str]]:
     return moments
 
 
-def _stick(axes: Axes, scene: _Scene, places: np.ndarray, colour: str, width: float) -> None:
+def _stick(axes: Axes, scene: Scene, places: np.ndarray, colour: str, width: float) -> None:
     axes.add_collection(
         LineCollection(
             places[scene.bones].tolist(), colors=colour, linewidths=width, capstyle="round"
@@ -143,10 +81,9 @@ def _stick(axes: Axes, scene: _Scene, places: np.ndarray, colour: str, width: fl
     )
 
 
-def _side_view(axes: Axes, scene: _Scene) -> None:
+def _side_view(axes: Axes, scene: Scene) -> None:
     axes.set_title("from the side of the flight (ball flies to the right)", fontsize=9)
     attack = scene.throw.attack
-    radius = float(attack.radii[0])
 
     def flat(points: np.ndarray) -> np.ndarray:
         return np.stack([points @ scene.side, points[..., 1]], axis=-1)
@@ -154,34 +91,34 @@ def _side_view(axes: Axes, scene: _Scene) -> None:
     axes.axhline(0, color="#555", linewidth=1)
     _body(axes, scene, scene.t_pass, flat, PASS, 0.18)
     for time, colour, label in _moments(scene):
-        _stick(axes, scene, flat(_frame(scene, time)), colour, 2.2 if colour == PASS else 1.6)
+        _stick(axes, scene, flat(pose_at(scene, time)), colour, 2.2 if colour == PASS else 1.6)
         axes.plot([], [], color=colour, linewidth=2, label=label)
-    track = flat(attack.centres[:, 0])
-    axes.plot(track[:, 0], track[:, 1], color=BALL, linewidth=1, linestyle=":")
+    _tracks(axes, scene, flat)
     first = max(attack.start, 0.0)
     times = np.unique([*np.arange(first, scene.t_pass, 0.1), scene.t_pass])
     for time in times:
-        place = flat(_ball_at(scene, time))
         passing = time == scene.t_pass
-        axes.add_patch(
-            Circle(
-                tuple(place),
-                radius,
-                facecolor=BALL,
-                edgecolor="k" if passing else BALL,
-                alpha=1.0 if passing else 0.45,
+        for centre, radius in balls_at(scene, time):
+            place = flat(centre)
+            axes.add_patch(
+                Circle(
+                    tuple(place),
+                    radius,
+                    facecolor=BALL,
+                    edgecolor="k" if passing else BALL,
+                    alpha=1.0 if passing else 0.45,
+                )
             )
-        )
-        if place[0] > -2.4:
-            axes.annotate(
-                f"{time:.1f} s",
-                (place[0], place[1]),
-                (0, 12),
-                textcoords="offset points",
-                fontsize=7,
-                ha="center",
-                color="#8a4b08",
-            )
+            if place[0] > -2.4:
+                axes.annotate(
+                    f"{time:.1f} s",
+                    (place[0], place[1]),
+                    (0, 12),
+                    textcoords="offset points",
+                    fontsize=7,
+                    ha="center",
+                    color="#8a4b08",
+                )
     axes.set_xlim(-2.6, 1.4)
     axes.set_ylim(-0.05, 2.3)
     axes.set_aspect("equal")
@@ -191,7 +128,14 @@ def _side_view(axes: Axes, scene: _Scene) -> None:
     axes.legend(loc="upper right", fontsize=7, framealpha=0.9)
 
 
-def _body(axes: Axes, scene: _Scene, time: float, flat: Any, colour: str, alpha: float) -> None:
+def _tracks(axes: Axes, scene: Scene, flat: Any) -> None:
+    """Dots along the flight of each sphere."""
+    for ball in range(len(scene.throw.attack.radii)):
+        track = flat(track_of(scene.throw.attack, ball))
+        axes.plot(track[:, 0], track[:, 1], color=BALL, linewidth=1, linestyle=":")
+
+
+def _body(axes: Axes, scene: Scene, time: float, flat: Any, colour: str, alpha: float) -> None:
     trace = scene.throw.selection.trace
     index = min(int(np.searchsorted(trace.times, time)), len(trace.times) - 1)
     sizes = 2 * scene.radii
@@ -209,7 +153,7 @@ def _body(axes: Axes, scene: _Scene, time: float, flat: Any, colour: str, alpha:
     )
 
 
-def _ball_view(axes: Axes, scene: _Scene) -> None:
+def _ball_view(axes: Axes, scene: Scene) -> None:
     axes.set_title(f"as the ball sees the body, at {scene.t_pass:.2f} s", fontsize=9)
     across = np.array([-scene.side[2], 0.0, scene.side[0]])
 
@@ -219,13 +163,12 @@ def _ball_view(axes: Axes, scene: _Scene) -> None:
     axes.axhline(0, color="#555", linewidth=1)
     if scene.t_begin is not None:
         _body(axes, scene, scene.t_begin, flat, BEGIN, 0.15)
-        _stick(axes, scene, flat(_frame(scene, scene.t_begin)), BEGIN, 1.2)
+        _stick(axes, scene, flat(pose_at(scene, scene.t_begin)), BEGIN, 1.2)
     _body(axes, scene, scene.t_pass, flat, PASS, 0.35)
-    _stick(axes, scene, flat(_frame(scene, scene.t_pass)), PASS, 1.8)
-    ball = flat(_ball_at(scene, scene.t_pass))
-    axes.add_patch(
-        Circle(tuple(ball), float(scene.throw.attack.radii[0]), facecolor=BALL, edgecolor="k")
-    )
+    _stick(axes, scene, flat(pose_at(scene, scene.t_pass)), PASS, 1.8)
+    ball = flat(passing_ball(scene))
+    for centre, radius in balls_at(scene, scene.t_pass):
+        axes.add_patch(Circle(tuple(flat(centre)), radius, facecolor=BALL, edgecolor="k"))
     axes.set_xlim(ball[0] - 1.15, ball[0] + 1.15)
     axes.set_ylim(-0.05, 2.3)
     axes.set_aspect("equal")
@@ -233,28 +176,27 @@ def _ball_view(axes: Axes, scene: _Scene) -> None:
     axes.set_xlabel("across the flight, m", fontsize=8)
 
 
-def _top_view(axes: Axes, scene: _Scene) -> None:
+def _top_view(axes: Axes, scene: Scene) -> None:
     axes.set_title("from above (the character faces up at the start)", fontsize=9)
 
     def flat(points: np.ndarray) -> np.ndarray:
         return np.stack([-points[..., 0], points[..., 2]], axis=-1)  # +X is to the left
 
     attack = scene.throw.attack
-    track = flat(attack.centres[:, 0])
-    axes.plot(track[:, 0], track[:, 1], color=BALL, linestyle=":", linewidth=1)
-    middle = flat(_ball_at(scene, scene.t_pass))
+    _tracks(axes, scene, flat)
+    middle = flat(passing_ball(scene))
     for time in np.arange(max(attack.start, 0.0), attack.end, 0.1):
-        place = flat(_ball_at(scene, time))
-        axes.add_patch(Circle(tuple(place), float(attack.radii[0]), facecolor=BALL, alpha=0.5))
-    way = flat(scene.side)
+        for centre, radius in balls_at(scene, time):
+            axes.add_patch(Circle(tuple(flat(centre)), radius, facecolor=BALL, alpha=0.5))
+    direction = flat(scene.side)
     axes.annotate(
         "",
-        tuple(middle - 0.5 * way),
-        tuple(middle - 1.3 * way),
+        tuple(middle - 0.5 * direction),
+        tuple(middle - 1.3 * direction),
         arrowprops={"arrowstyle": "-|>", "color": BALL, "linewidth": 2},
     )
     for time, colour, _ in _moments(scene):
-        _stick(axes, scene, flat(_frame(scene, time)), colour, 1.8 if colour == PASS else 1.2)
+        _stick(axes, scene, flat(pose_at(scene, time)), colour, 1.8 if colour == PASS else 1.2)
     root = flat(scene.positions[:, 0])
     axes.plot(root[:, 0], root[:, 1], color="#444", linewidth=0.8)
     axes.annotate("", (0, 0.55), (0, 0.0), arrowprops={"arrowstyle": "->", "color": NOW})
@@ -265,7 +207,7 @@ def _top_view(axes: Axes, scene: _Scene) -> None:
     axes.set_xlabel("to the right, m", fontsize=8)
 
 
-def _time_line(axes: Axes, scene: _Scene) -> None:
+def _time_line(axes: Axes, scene: Scene) -> None:
     trace, attack = scene.throw.selection.trace, scene.throw.attack
     shown = np.minimum(scene.gaps, 2.0)
     axes.plot(trace.times[1:], shown, color=PASS, linewidth=1.2)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.clips.synthetic import synthetic_skeleton
 from mgjax.core.kinematics import planar_frames
 from mgjax.graph.transition import frame_positions
@@ -107,9 +107,9 @@ def throw(
     """A ball from 5 m away, from any side, at the vertical above the character."""
     side = rng.uniform(0, 2 * np.pi)
     drawn = rng.uniform(0.5, 1.7)
-    at = np.array([0.0, drawn if height is None else height, 0.0])
-    start = at + 5.0 * np.array([np.sin(side), 0.0, np.cos(side)])
-    return ball_attack(start, at, speed=speed, arrives=arrives, **more)
+    return ball_from(
+        side, drawn if height is None else height, speed=speed, arrives=arrives, **more
+    )
 
 
 def with_knots(attack: Attack, count: int) -> Attack:

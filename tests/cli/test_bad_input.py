@@ -290,6 +290,22 @@ def test_bad_settings_of_a_throw(
     refused(ran, *parts, out=tmp_path / "out")
 
 
+def test_bad_attack_files(built: tuple[Path, Ran], tmp_path: Path) -> None:
+    out, file = tmp_path / "out", tmp_path / "attack.json"
+    avoid = ("avoid", "--graph", built[0], "--out", out)
+    file.write_text('{"radii": [0.1], "times": [0, 1], "centres": [[[0, 1, 4]], [[0, 1, 0]]]}')
+    for more, parts in (
+        (THROW, ("--attack beside --from, --at, --speed, --arrives",)),
+        (("--gravity",), ("--attack beside --gravity",)),
+        (("--radius", 0.2), ("--attack beside --radius",)),
+    ):
+        refused(run(*avoid, "--attack", file, *more), *parts, out=out)
+    refused(run(*avoid, *THROW[:8]), "no --speed, --arrives", "or --attack", out=out)
+    refused(run(*avoid, "--attack", tmp_path / "none.json"), "none.json", "attack file", out=out)
+    file.write_text('{"balls": [\n{"from": [0, 1, 5]}]}')
+    refused(run(*avoid, "--attack", file), "attack.json:2", "no 'at'", out=out)
+
+
 def test_words_the_parser_refuses(built: tuple[Path, Ran], tmp_path: Path) -> None:
     out = tmp_path / "out"
     for words in (

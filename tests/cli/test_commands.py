@@ -155,6 +155,29 @@ def check_files(out: Path, result: dict, radius: float) -> None:
         assert result["status"] != "avoided" or least > 0
 
 
+def test_avoid_the_attack_of_a_file(built: tuple[Path, Ran], tmp_path: Path) -> None:
+    first = {"from": [0.5, 1.4, 5], "at": [0, 1.4, 0], "speed": 10, "arrives": 1.2}
+    second = {"from": [4, 1.0, 0], "at": [0, 1.0, 0.3], "speed": 10, "arrives": 1.6}
+    file, out = tmp_path / "balls.json", tmp_path / "out"
+    file.write_text(json.dumps({"balls": [first, second]}))
+    ran = run("avoid", "--graph", built[0], "--attack", file, "--out", out, "--json")
+    assert (ran.status, ran.err) == (0, "")
+    assert files(out) == AVOID_FILES
+    volumes = np.load(out / "volumes.npz")
+    np.testing.assert_allclose(volumes["attack_radii"], [0.12, 0.12])
+    times, balls = volumes["times"], volumes["attack_centres"]
+    for ball, (start, stop) in enumerate(((0.7, 1.5), (1.2, 1.9))):
+        near = np.linalg.norm(balls[:, ball], axis=1) < 8
+        inside, outside = (times > start) & (times < stop), (times < start - 0.01)
+        assert near[inside].all()
+        assert not near[outside].any()
+        assert (np.linalg.norm(balls[outside, ball], axis=1) > 900).all()
+    # The same ball from a file and from arguments.
+    file.write_text(json.dumps({"balls": [first]}))
+    one = run("avoid", "--graph", built[0], "--attack", file, "--out", out, "--json").json
+    assert one == run("avoid", "--graph", built[0], *THROW, "--out", out, "--json").json
+
+
 @pytest.mark.parametrize("more", [(), ("--gravity", "--radius", 0.2)])
 def test_avoid(built: tuple[Path, Ran], tmp_path: Path, more: tuple) -> None:
     graph = load_graph(built[0])

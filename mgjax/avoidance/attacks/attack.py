@@ -13,10 +13,6 @@ from mgjax.core.errors import AttackError
 
 MAX_SECONDS = 60.0
 """An attack that lasts longer is no throw at a character, and its motion would be endless."""
-AWAY_M = 2000.0
-"""How far above or below the scene a sphere is while it is not there."""
-LOW_M = 0.6
-"""A sphere that appears or vanishes lower than this is put below the scene, else above it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -24,11 +20,8 @@ class Attack:
     """Spheres that move linearly between knots, there from the first knot to the last.
 
     Where ``starts`` and ``stops`` are given, each sphere is there only from its own start to its
-    own stop, both included. For the rest of the attack :meth:`at` puts it 2 km above the place
-    where it appears or vanishes, or below it where that is lower than 0.6 m. A reader that joins
-    the moments it asks for by straight lines then sees it come and go along a vertical, within one
-    step: a body beside that place, bent down under it or in the air over it is not swept, and the
-    motion of its life is never cut short. Whoever wants to leave that step out asks :meth:`active`.
+    own stop, both included. :meth:`active` and :meth:`lives` say when a sphere is there; while it
+    is not, :meth:`at` holds it at the place where it appears or vanishes.
 
     Attributes:
         times: seconds from now, ascending. [K]
@@ -55,51 +48,36 @@ class Attack:
     def end(self) -> float:
         return float(self.times[-1])
 
+    @property
+    def lifetimes(self) -> tuple[Float[np.ndarray, " I"], Float[np.ndarray, " I"]]:
+        """First and last moment of each sphere."""
+        count = len(self.radii)
+        starts = np.full(count, self.start) if self.starts is None else self.starts
+        stops = np.full(count, self.end) if self.stops is None else self.stops
+        return starts, stops
+
     def at(self, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, "T I 3"]:
-        """Centres at any time; before the first and after the last knot those are held."""
+        """Centres at any time; each sphere is held before its first and after its last moment."""
         flat = self.centres.reshape(len(self.times), -1)
         out = np.empty((len(times), flat.shape[1]))
-        for column in range(flat.shape[1]):
-            out[:, column] = np.interp(times, self.times, flat[:, column])
-        out = out.reshape(len(times), *self.centres.shape[1:])
         if self.starts is None and self.stops is None:
-            return out
-        held = np.clip(times, self.start, self.end)[:, None]
-        for moment, gone in (
-            (self.starts, None if self.starts is None else held < self.starts),
-            (self.stops, None if self.stops is None else held > self.stops),
-        ):
-            if moment is None or gone is None:
-                continue
-            knot = np.searchsorted(self.times, moment)
-            away = self.centres[knot, np.arange(len(moment))].copy()
-            away[:, 1] += np.where(away[:, 1] < LOW_M, -AWAY_M, AWAY_M)
-            out = np.where(gone[..., None], away, out)
-        return out
-
-    def held(self, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, "T I 3"]:
-        """Centres as :meth:`at` has them, but each sphere held where it appears and vanishes."""
-        if self.starts is None and self.stops is None:
-            return self.at(times)
-        low = np.full(len(self.radii), self.start) if self.starts is None else self.starts
-        high = np.full(len(self.radii), self.end) if self.stops is None else self.stops
-        out = np.empty((len(times), len(self.radii), 3))
-        for k in range(len(self.radii)):
-            alive = np.clip(times, low[k], high[k])
-            for axis in range(3):
-                out[:, k, axis] = np.interp(alive, self.times, self.centres[:, k, axis])
-        return out
+            for column in range(flat.shape[1]):
+                out[:, column] = np.interp(times, self.times, flat[:, column])
+        else:
+            starts, stops = (np.repeat(moments, 3) for moments in self.lifetimes)
+            for column in range(flat.shape[1]):
+                held = np.clip(times, starts[column], stops[column])
+                out[:, column] = np.interp(held, self.times, flat[:, column])
+        return out.reshape(len(times), *self.centres.shape[1:])
 
     def lives(self, times: Float[np.ndarray, " T"]) -> Bool[np.ndarray, "V I"]:
         """Whether each sphere is there at any moment between two times."""
-        starts = np.full(len(self.radii), self.start) if self.starts is None else self.starts
-        stops = np.full(len(self.radii), self.end) if self.stops is None else self.stops
+        starts, stops = self.lifetimes
         return (times[1:, None] >= starts) & (times[:-1, None] <= stops)
 
     def active(self, times: Float[np.ndarray, " T"]) -> Bool[np.ndarray, "T I"]:
         """Whether each sphere is there; between two moments if it is at both."""
-        starts = np.full(len(self.radii), self.start) if self.starts is None else self.starts
-        stops = np.full(len(self.radii), self.end) if self.stops is None else self.stops
+        starts, stops = self.lifetimes
         return (times[:, None] >= starts) & (times[:, None] <= stops)
 
     @cached_property
@@ -107,12 +85,12 @@ class Attack:
         """m/s, over all spheres and knots at which they are there."""
         if len(self.times) < 2:
             return 0.0
-        ways = self.centres[1:] - self.centres[:-1]
-        speeds = np.sqrt(np.einsum("kix,kix->ki", ways, ways))
+        displacements = self.centres[1:] - self.centres[:-1]
+        speeds = np.sqrt(np.einsum("kix,kix->ki", displacements, displacements))
         speeds /= (self.times[1:] - self.times[:-1])[:, None]
         if self.starts is not None or self.stops is not None:
-            there = self.active(self.times)
-            speeds = np.where(there[1:] & there[:-1], speeds, 0.0)
+            active = self.active(self.times)
+            speeds = np.where(active[1:] & active[:-1], speeds, 0.0)
         return float(speeds.max())
 
 

@@ -96,6 +96,33 @@ def ball_attack(
     )
 
 
+def ball_from(
+    angle: float,
+    height: float,
+    *,
+    distance: float = 5.0,
+    at: tuple[float, float] = (0.0, 0.0),
+    speed: float = 10.0,
+    arrives: float = 1.2,
+    gravity: bool = False,
+) -> Attack:
+    """A ball thrown from a side, at the height at which it passes a vertical.
+
+    Args:
+        angle: where it comes from, rad from ahead (+Z) towards the left (+X).
+        height: of the throw and of the place it is aimed at, m.
+        distance: from where it is thrown to the vertical, m.
+        at: x and z of the vertical, m; default: the body's axis.
+        speed, arrives, gravity: see :func:`ball_attack`.
+
+    Raises:
+        AttackError: a number out of range.
+    """
+    target = np.array([at[0], height, at[1]])
+    start = target + distance * np.array([np.sin(angle), 0.0, np.cos(angle)])
+    return ball_attack(start, target, speed=speed, arrives=arrives, gravity=gravity)
+
+
 def _evenly(start: float, stop: float, rate: float) -> np.ndarray:
     return np.linspace(start, stop, max(2, int(np.ceil((stop - start) * rate)) + 1))
 

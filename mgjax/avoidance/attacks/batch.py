@@ -154,10 +154,9 @@ def evaluated(attack: Attack, crop: Crop, config: AvoidanceConfig) -> int:
 def _lived(attack: Attack, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, "T I 3"]:
     """Centres at frames; at the last frame before a sphere's life, and the first after it, where it
     would be if it had moved on straight, so that between frames it is where it is."""
-    frames = attack.held(times)
-    for k in range(len(attack.radii)):
-        begin = attack.start if attack.starts is None else float(attack.starts[k])
-        end = attack.end if attack.stops is None else float(attack.stops[k])
+    frames = attack.at(times)
+    starts, stops = (moments.tolist() for moments in attack.lifetimes)
+    for k, (begin, end) in enumerate(zip(starts, stops, strict=True)):
         inner = np.flatnonzero((times > begin) & (times < end))
         for moment, outside, inside in (
             (begin, int(times.searchsorted(begin)) - 1, inner[0] if inner.size else None),
@@ -168,8 +167,8 @@ def _lived(attack: Attack, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, 
             other = (end if moment == begin else begin) if inside is None else times[inside]
             if other == moment:
                 continue
-            at, there = attack.held(np.array([moment, other]))[:, k]
-            frames[outside, k] = at + (there - at) * ((times[outside] - moment) / (other - moment))
+            at, beside = attack.at(np.array([moment, other]))[:, k]
+            frames[outside, k] = at + (beside - at) * ((times[outside] - moment) / (other - moment))
     return frames
 
 

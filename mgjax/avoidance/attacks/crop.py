@@ -97,6 +97,8 @@ def _of_many(
     centres = attack.at(times)
     near = (np.hypot(centres[..., 0], centres[..., 2]) <= radius) & (centres[..., 1] <= height)
     near &= centres[..., 1] >= 0
+    if attack.starts is not None or attack.stops is not None:
+        near &= attack.active(times)
     inside = near.nonzero()[0]
     if not inside.size:
         return None

@@ -19,8 +19,7 @@ def merge_attacks(attacks: Sequence[Attack]) -> Attack:
     """One attack with the spheres of all, in order, each there exactly while its own attack lasts.
 
     The knots are those of all attacks, and more where nothing is known for long, so that what one
-    attack bends between its knots does not count for more than it did. Spheres that are not there
-    yet, or no more, are where :class:`~mgjax.avoidance.attacks.attack.Attack` says.
+    attack bends between its knots does not count for more than it did.
 
     Raises:
         AttackError: no attacks, or one that is not valid.
@@ -31,11 +30,7 @@ def merge_attacks(attacks: Sequence[Attack]) -> Attack:
         validate_attack(attack)
     if len(attacks) == 1:
         return attacks[0]
-    starts, stops = [], []
-    for a in attacks:
-        count = len(a.radii)
-        starts.append(np.full(count, a.start) if a.starts is None else a.starts)
-        stops.append(np.full(count, a.end) if a.stops is None else a.stops)
+    starts, stops = zip(*(attack.lifetimes for attack in attacks), strict=True)
     times = np.unique(np.concatenate([attack.times for attack in attacks]))
     acceleration = max(attack.acceleration for attack in attacks)
     if acceleration > 0:
@@ -48,10 +43,10 @@ def merge_attacks(attacks: Sequence[Attack]) -> Attack:
         starts=np.concatenate(starts),
         stops=np.concatenate(stops),
     )
-    whole = (merged.starts == merged.start).all() and (merged.stops == merged.end).all()
-    if whole:
+    first, last = merged.lifetimes
+    if (first == merged.start).all() and (last == merged.end).all():
         return replace(merged, starts=None, stops=None)
-    return replace(merged, centres=merged.at(times))
+    return merged
 
 
 def _widest(attacks: Sequence[Attack], acceleration: float) -> float:

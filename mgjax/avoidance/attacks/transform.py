@@ -11,15 +11,15 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.core import planar
 
 
-def moved(attack: Attack, place: Float[np.ndarray, "3"], begins: float) -> Attack:
+def in_frame(attack: Attack, place: Float[np.ndarray, "3"], begins: float) -> Attack:
     """An attack of the world in a planar frame, its times counted from ``begins`` s."""
     inverse = np.asarray(planar.inverse(place))
     centres = np.asarray(planar.apply(inverse, attack.centres.astype(np.float64)))
-    return replace(retimed(attack, begins), centres=centres)
+    return replace(shifted(attack, begins), centres=centres)
 
 
-def retimed(attack: Attack, begins: float) -> Attack:
-    """The same attack with its times counted from ``begins`` s."""
+def shifted(attack: Attack, begins: float) -> Attack:
+    """An attack with its times counted from ``begins`` s."""
     return replace(
         attack,
         times=attack.times - begins,
@@ -28,11 +28,11 @@ def retimed(attack: Attack, begins: float) -> Attack:
     )
 
 
-def since(attack: Attack, now: float) -> Attack:
-    """What is left at ``now`` s of an attack that ends later, without spheres that are gone."""
+def after(attack: Attack, now: float) -> Attack:
+    """What comes from ``now`` s on of an attack that ends later, without spheres that are gone."""
     if attack.start >= now:
         return attack
-    here = replace(attack, starts=None, stops=None).at(np.array([now]))
+    here = attack.at(np.array([now]))
     later = attack.times > now
     left = np.ones(len(attack.radii), bool) if attack.stops is None else attack.stops >= now
     return replace(

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.body.edge_tables import EdgeTables
+from mgjax.core.csr import expand_rows
 from mgjax.graph.types import NO_EDGE, MotionGraph
 
 MAX_WALKS = 200_000
@@ -60,11 +61,12 @@ def enumerate_candidates(
     via: list[np.ndarray] = []
     found: list[tuple[int, np.ndarray, np.ndarray, np.ndarray]] = []  # round, row, part, t_avoid
     overflow = 0
-    out_count = np.diff(graph.out_first)
     while len(nodes):
-        row, edge = _expand(graph.out_first, graph.out_edges, out_count, nodes)
+        row, position = expand_rows(graph.out_first, nodes)
+        edge = graph.out_edges[position]
         begin = times[row]
-        hit, part = _expand(tables.part_first, tables.part_ids, np.diff(tables.part_first), edge)
+        hit, position = expand_rows(tables.part_first, edge)
+        part = tables.part_ids[position]
         t_avoid = begin[hit] + tables.part_centre[part]
         fits = (t_avoid > low) & (t_avoid < high)
         came_from.append(row.astype(np.int32))
@@ -99,16 +101,6 @@ def natural_times(tables: EdgeTables, candidates: Candidates) -> Float[np.ndarra
     before = column[None] < candidates.length[:, None] - 1
     seconds = np.where(before, tables.seconds[np.maximum(candidates.edges, 0)], 0.0)
     return seconds.sum(axis=1) + tables.part_centre[candidates.part]
-
-
-def _expand(
-    first: np.ndarray, items: np.ndarray, counts: np.ndarray, keys: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """For each key its items of a CSR list: index of the key, and the item."""
-    number = counts[keys]
-    row = np.repeat(np.arange(len(keys)), number)
-    within = np.arange(len(row)) - np.repeat(np.cumsum(number) - number, number)
-    return row, items[first[keys][row] + within]
 
 
 def _walks(

@@ -23,7 +23,7 @@ from mgjax.core.arrays import Array
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, place_edges
+from mgjax.graph.walk import Walk, frames_at, place_edges
 
 
 @register()
@@ -100,8 +100,8 @@ def clearance_between(
     last = max(int(np.ceil(end * CHECK_RATE / 2)), first + 1)
     times = np.arange(first, last + 1) * 2 / CHECK_RATE
     poses, root = _read_walk(posed.graph, walk, times)
-    far = attack.held(np.clip(times, attack.start, attack.end)) - root[:, None]
-    gap = np.linalg.norm(far, axis=-1) - attack.radii[None, :] - posed.reach
+    offset = attack.at(np.clip(times, attack.start, attack.end)) - root[:, None]
+    gap = np.linalg.norm(offset, axis=-1) - attack.radii[None, :] - posed.reach
     # Between two frames an attack moves on by at most half its step from the nearer one.
     step = attack.largest_speed / CHECK_RATE
     near = np.flatnonzero(gap.min(axis=1) <= step + 0.05)
@@ -114,7 +114,7 @@ def clearance_between(
     poses = jax.tree.map(lambda x: x[rows], poses)
     moments = (2 * (first + a) + np.arange(2 * size - 1)) / CHECK_RATE
     moments = np.clip(moments, max(begin, attack.start), end)
-    centres, absent = attack.held(moments), ~attack.lives(moments)
+    centres, absent = attack.at(moments), ~attack.lives(moments)
     absent[2 * count - 2 :] = True
     slots = bucket_size(len(attack.radii), SPHERES, 8)
     nearest = nearest_of(
@@ -124,38 +124,26 @@ def clearance_between(
         pad_axis(attack.radii.astype(np.float32), slots),
         pad_axis(absent.astype(np.float32), slots, axis=1, value=1),
     )
-    apart = float((attack.times[1:] - attack.times[:-1]).max(initial=0.0))
-    between = apart**2 / 8 if apart > 1 / CHECK_RATE else 0.0
+    longest = float((attack.times[1:] - attack.times[:-1]).max(initial=0.0))
+    between = longest**2 / 8 if longest > 1 / CHECK_RATE else 0.0
     sag = attack.acceleration * (1 / CHECK_RATE**2 / 4 + between)
     return min(float(nearest) - sag, FAR)
 
 
 def _read_walk(graph: MotionGraph, walk: Walk, times: np.ndarray) -> tuple[Poses, np.ndarray]:
     """Poses of a walk and its root in the world, as ``sample_walk`` has them."""
-    begins = walk.starts(graph)
-    where = np.clip(times, 0.0, begins[-1])
-    index = np.clip(np.searchsorted(begins, where, side="right") - 1, 0, len(walk.edges) - 1)
-    edges = walk.edges[index]
-    counts = graph.edge_frames[edges]
-    local = (where - begins[index]) / walk.scales[index] * graph.frame_rate
-    local = np.clip(local, 0.0, counts)
-    step = np.minimum(local.astype(np.int64), counts - 1)
-    share = local - step
+    played = frames_at(graph, walk, times)
     placed = place_edges(graph, walk.edges)
-    # The pose after the last one that an edge plays is the first of the next edge.
-    crosses = (step == counts - 1) & (index + 1 < len(walk.edges))
-    after = np.minimum(index + crosses, len(walk.edges) - 1)
-    low = graph.edge_starts[edges] + step
-    high = np.where(crosses, graph.edge_starts[walk.edges[after]], low + 1)
-    ends = [
-        np.asarray(planar.apply(placed[at], graph.root_translation[frames]))
-        for frames, at in ((low, index), (high, after))
-    ]
+    share = played.share
+    root_low, root_high = (
+        np.asarray(planar.apply(placed[edge], graph.root_translation[frames]))
+        for frames, edge in ((played.low, played.edge_low), (played.high, played.edge_high))
+    )
     poses = Poses(
-        low=low.astype(np.int32),
-        high=high.astype(np.int32),
-        place_low=placed[index].astype(np.float32),
-        place_high=placed[after].astype(np.float32),
+        low=played.low.astype(np.int32),
+        high=played.high.astype(np.int32),
+        place_low=placed[played.edge_low].astype(np.float32),
+        place_high=placed[played.edge_high].astype(np.float32),
         share=share.astype(np.float32),
     )
-    return poses, ends[0] * (1 - share)[:, None] + ends[1] * share[:, None]
+    return poses, root_low * (1 - share)[:, None] + root_high * share[:, None]

@@ -89,8 +89,8 @@ def clearance(
     share = np.clip(-np.sum(begin * move, axis=-1) / np.maximum(along, 1e-20), 0.0, 1.0)
     near = np.linalg.norm(begin + share[..., None] * move, axis=-1)
     gap = near - attack.radii[:, None] - radii[None, :]
-    there = attack.active(moments)  # the beginning and the end of a sphere's life are knots
-    gap = np.where((there[:-1] & there[1:])[:, :, None], gap, FAR)
+    active = attack.active(moments)  # the beginning and the end of a sphere's life are knots
+    gap = np.where((active[:-1] & active[1:])[:, :, None], gap, FAR)
     sag = attack.acceleration * np.diff(attack.times).max(initial=0.0) ** 2 / 8
     np.minimum.at(result, index[:-1], gap.min(axis=(1, 2)) - sag)
     return result, float(result.min())

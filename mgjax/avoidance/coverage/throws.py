@@ -9,8 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from tqdm import tqdm
 
-from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import (
     ARRIVALS_S,
@@ -121,14 +120,20 @@ def coverage(
     nearest = prepared.tables.nearest_part
     node, direction, dealt = _deal(nearest, directions, nodes, len(high) * len(late), seed)
     height, arrival = dealt % len(high), dealt // len(high)
-    some = max(_CHUNK // directions, 1) * directions
+    chunk = max(_CHUNK // directions, 1) * directions
     answers: list[BatchSelection] = []
     bar = tqdm(total=len(node), desc="attacks", unit="ball", disable=not progress, leave=False)
     with bar:
-        for first in range(0, len(node), some):
-            part = slice(first, first + some)
+        for first in range(0, len(node), chunk):
+            part = slice(first, first + chunk)
             balls = [
-                _ball(float(angles[d]), float(high[h]), float(late[a]), speed)
+                ball_from(
+                    float(angles[d]),
+                    float(high[h]),
+                    distance=DISTANCE_M,
+                    speed=speed,
+                    arrives=float(late[a]),
+                )
                 for d, h, a in zip(direction[part], height[part], arrival[part], strict=True)
             ]
             answers.append(select_batch(prepared, node[part], balls, config=config))
@@ -161,8 +166,8 @@ def _deal(
     differ by what their balls are, not by where the character happened to stand.
     """
     rng = np.random.default_rng(seed)
-    there = len(nearest_part)
-    rounds = [rng.permutation(there) for _ in range(-(-nodes // there))]
+    total = len(nearest_part)
+    rounds = [rng.permutation(total) for _ in range(-(-nodes // total))]
     chosen = np.concatenate(rounds)[:nodes]
     chosen = chosen[np.argsort(nearest_part[chosen], kind="stable")]
     hands = rng.random((directions, -(-nodes // hand), hand)).argsort(axis=-1)
@@ -170,16 +175,10 @@ def _deal(
     return np.repeat(chosen, directions), np.tile(np.arange(directions), nodes), dealt.ravel()
 
 
-def _ball(angle: float, height: float, arrives: float, speed: float) -> Attack:
-    at = np.array([0.0, height, 0.0])
-    start = at + DISTANCE_M * np.array([np.sin(angle), 0.0, np.cos(angle)])
-    return ball_attack(start, at, speed=speed, arrives=arrives)
-
-
 def _join(answers: list[BatchSelection]) -> BatchSelection:
     names = [field.name for field in fields(BatchSelection)]
     return BatchSelection(
-        **{name: np.concatenate([getattr(some, name) for some in answers]) for name in names}
+        **{name: np.concatenate([getattr(answer, name) for answer in answers]) for name in names}
     )
 
 

@@ -103,15 +103,15 @@ def draw_attack(attack: Attack, crop: Crop) -> Drawn | None:
         return None
     shares = (np.arange(bins)[:, None] + np.arange(pieces + 1) / pieces) / bins
     moments = np.clip(crop.start + seconds * shares.ravel(), crop.start, crop.end)
-    centres, there = attack.at(moments), attack.active(moments)
+    centres, active = attack.at(moments), attack.active(moments)
     number = np.repeat(np.arange(bins), pieces + 1)
-    found = [
-        _pixels(centres[here, i], radius, number[here])
+    drawn = [
+        _pixels(centres[when, i], radius, number[when])
         for i, radius in enumerate(attack.radii)
-        if (here := there[:, i]).any()
+        if (when := active[:, i]).any()
     ]
-    parts = (np.concatenate([f[i] for f in found]) for i in range(4))
-    bin_of, column, row, words = parts if found else (np.zeros(0, np.int64),) * 4
+    parts = (np.concatenate([pixels[i] for pixels in drawn]) for i in range(4))
+    bin_of, column, row, words = parts if drawn else (np.zeros(0, np.int64),) * 4
     return _gather(bins, crop, bin_of, column, row, words.astype(np.uint16))
 
 

@@ -20,8 +20,6 @@ from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
 from mgjax.core.xla.pytree import register
 
-register("form", "d0")(EnergyConfig)
-
 
 @register()
 @dataclass(frozen=True, kw_only=True)

@@ -17,6 +17,8 @@ from mgjax.avoidance.config import EnergyConfig, Number
 from mgjax.core.arrays import Array
 from mgjax.core.xla.pytree import register
 
+register("form", "d0")(EnergyConfig)
+
 _SAME = 1e-5
 """Clearances that differ by less, m, are equal: rounding, some metres from the origin."""
 

@@ -33,6 +33,8 @@ def touched_cells(attack: Attack, crop: Crop) -> Int[np.ndarray, "M 3"] | None:
         The cells, or None if some are outside the space that indices cover.
     """
     _, lines, radii = swept_lines(attack, crop)
+    if not len(radii):
+        return np.zeros((0, 3), np.int64)
     low = np.floor((lines - radii[:, None]).min(axis=(0, 1)) / CELL_M)
     high = np.floor((lines + radii[:, None]).max(axis=(0, 1)) / CELL_M)
     if (low < COVERED[0]).any() or (high >= COVERED[1]).any():
@@ -49,19 +51,24 @@ def swept_lines(
 ) -> tuple[Float[np.ndarray, " K"], Float[np.ndarray, "K I 3"], Float[np.ndarray, " I"]]:
     """Times, centres and radii of the capsules that a cropped attack sweeps.
 
-    The radii are enlarged where the attack is curved between knots.
+    The radii are enlarged where the attack is curved between knots. Spheres that are not there at
+    any moment of the crop are left out.
     """
     knots = attack.times
     first, stop = knots.searchsorted(crop.start, "right"), knots.searchsorted(crop.end)
     times = np.concatenate([[crop.start], knots[first:stop], [crop.end]])
     if attack.starts is None and attack.stops is None:
         ends = attack.at(times[[0, -1]])
-        centres = np.concatenate([ends[:1], attack.centres[first:stop], ends[1:]])
+        centres, radii = (
+            np.concatenate([ends[:1], attack.centres[first:stop], ends[1:]]),
+            attack.radii,
+        )
     else:
-        centres = attack.at(times)
+        lives = attack.lives(times[[0, -1]])[0]
+        centres, radii = attack.at(times)[:, lives], attack.radii[lives]
     if attack.acceleration == 0:
-        return times, centres, attack.radii
-    return times, centres, attack.radii + attack.acceleration * np.diff(times).max() ** 2 / 8
+        return times, centres, radii
+    return times, centres, radii + attack.acceleration * np.diff(times).max() ** 2 / 8
 
 
 def _mark_capsules(

@@ -9,6 +9,7 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.body.edge_tables import EdgeTables
 from mgjax.core import planar
+from mgjax.core.csr import expand_rows
 from mgjax.graph.types import MotionGraph
 
 
@@ -51,7 +52,7 @@ def grid_paths(graph: MotionGraph, tables: EdgeTables, horizon: float, capacity:
     middle = graph.label_starts + graph.label_stops - 2 * graph.edge_starts[tables.part_edge]
     limit = _limits(graph, tables, lasts, middle, latest, capacity)
     node, edge = np.repeat(np.arange(graph.num_nodes), np.diff(graph.out_first)), graph.out_edges
-    row, part = _items(tables.part_first, edge)
+    row, part = expand_rows(tables.part_first, edge)
     part = tables.part_ids[part]
     keep = middle[part] <= limit[node[row]]
     row, part = row[keep], part[keep]
@@ -62,7 +63,7 @@ def grid_paths(graph: MotionGraph, tables: EdgeTables, horizon: float, capacity:
     while len(found["node"]):
         rounds.append(found | {"length": np.full(len(found["node"]), len(rounds) + 1)})
         counts = np.bincount(found["node"], minlength=graph.num_nodes)
-        row, item = _items(np.concatenate([[0], np.cumsum(counts)]), graph.edge_target[edge])
+        row, item = expand_rows(np.concatenate([[0], np.cumsum(counts)]), graph.edge_target[edge])
         at = lasts[edge[row]] + found["time"][item]
         keep = at <= limit[node[row]]
         row, item = row[keep], item[keep]
@@ -76,15 +77,6 @@ def grid_paths(graph: MotionGraph, tables: EdgeTables, horizon: float, capacity:
         }
         base += len(rounds[-1]["node"])
     return _by_node(rounds, limit)
-
-
-def _items(
-    first: Int[np.ndarray, " K1"], keys: Int[np.ndarray, " Q"]
-) -> tuple[Int[np.ndarray, " R"], Int[np.ndarray, " R"]]:
-    """For each key the positions of its items in a CSR list: index of the key, and position."""
-    counts = np.diff(first)[keys]
-    row = np.repeat(np.arange(len(keys)), counts)
-    return row, np.arange(len(row)) + (first[keys] - (np.cumsum(counts) - counts))[row]
 
 
 def _limits(

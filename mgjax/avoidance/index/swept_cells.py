@@ -137,9 +137,11 @@ def swept_cells(attack: Attack, crop: Crop) -> SweptCells | None:
         crop: the part that counts.
 
     Returns:
-        The cells, or None if some are outside the space that indices cover.
+        The cells, or None if some are outside the space that indices cover, or if there are none.
     """
     chords = _straight(attack, crop) or _curved(attack, crop)
+    if not len(chords.radii):
+        return None
     starts, stops, radii = chords.start.tolist(), chords.stop.tolist(), chords.radii.tolist()
     if not _is_covered(starts + stops, max(radii) + chords.off):
         cells = touched_cells(attack, crop)  # the last word

@@ -11,11 +11,11 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.avoidance.attacks.attack import Attack, validate_attack
-from mgjax.avoidance.attacks.transform import moved, retimed, since
+from mgjax.avoidance.attacks.transform import after, in_frame, shifted
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.play.clocks import Clock, Searches, SimulatedClock, SimulatedSearches, Ticket
-from mgjax.avoidance.play.several_attacks import Path, find_path, played_clearance
+from mgjax.avoidance.play.several_attacks import JointPath, find_path, played_clearance
 from mgjax.avoidance.play.timeline import Timeline
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
@@ -153,8 +153,8 @@ class Planner:
         """
         now = float(self._clock.now())
         self._advance(now)
-        validate_attack(retimed(attack, now))
-        left = since(attack, now)
+        validate_attack(shifted(attack, now))
+        left = after(attack, now)
         if attack.end <= now or not len(left.radii):
             raise AttackError(f"got an attack that is over at {now:g} s, expected one under way")
         thrown = _Thrown(number=self.attacks, known=now, attack=left)
@@ -237,7 +237,7 @@ class Planner:
             return
         place = line.frame_at_end()
         others = [
-            moved(other.attack, place, line.end)
+            in_frame(other.attack, place, line.end)
             for other in self._under_way
             if other is not thrown and other.attack.end > line.end
         ]
@@ -247,14 +247,14 @@ class Planner:
             begins=begun.begins - line.end,
             start=np.asarray(planar.compose(planar.inverse(place), begun.start)),
         )
-        attack = moved(thrown.attack, place, line.end)
+        attack = in_frame(thrown.attack, place, line.end)
         call = partial(find_path, self._prepared, line.node, attack, others, self._config, rest)
         self._pending = (thrown, self._searches.submit(now, call), now)
 
-    def _accept(self, thrown: _Thrown, found: Path, now: float) -> None:
-        thrown.search, thrown.waited = found.status, now - thrown.known
-        if found.walk is not None and (found.status == Status.AVOIDED or not self._plan):
-            walk = found.walk
+    def _accept(self, thrown: _Thrown, path: JointPath, now: float) -> None:
+        thrown.search, thrown.waited = path.status, now - thrown.known
+        if path.walk is not None and (path.status == Status.AVOIDED or not self._plan):
+            walk = path.walk
             self._plan = deque(zip(walk.edges.tolist(), walk.scales.tolist(), strict=True))
 
     def _collect(self, now: float, *, wait: bool = False) -> None:

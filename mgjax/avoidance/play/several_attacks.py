@@ -9,7 +9,7 @@ import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.attacks.transform import moved, retimed
+from mgjax.avoidance.attacks.transform import in_frame, shifted
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.checks.fast import clearance_between
@@ -28,8 +28,8 @@ from mgjax.graph.walk import Walk, make_walk, sample_walk
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Path:
-    """What a search found.
+class JointPath:
+    """What a search for the newest of several attacks found.
 
     Attributes:
         status: as of :class:`mgjax.avoidance.choice.choosing.Choice`, for the newest attack;
@@ -50,7 +50,7 @@ def find_path(
     others: Sequence[Attack],
     config: AvoidanceConfig,
     rest: Piece,
-) -> Path:
+) -> JointPath:
     """The path of :func:`mgjax.avoidance.choice.choosing.choose`, or one that is clear of all
     attacks.
 
@@ -66,20 +66,21 @@ def find_path(
         rest: what is still played until the path begins, in the same frame, and since when (a time
             before 0).
     """
-    begun = moved(attack, rest.start, rest.begins)
+    begun = in_frame(attack, rest.start, rest.begins)
     touched = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
     try:
         chosen = choose(prepared, node, attack, config=config)
     except AttackError:  # it is in the body where the path would begin
-        return Path(status=Status.HIT, walk=None, joint=False)
+        return JointPath(status=Status.HIT, walk=None, joint=False)
+    status = Status.HIT if touched else chosen.status
     if chosen.status == Status.NO_CANDIDATE:
-        return Path(status=Status.HIT if touched else Status.NO_CANDIDATE, walk=None, joint=False)
+        return JointPath(status=status, walk=None, joint=False)
     joint = _clear(prepared, chosen.walk, others)
     if chosen.status == Status.AVOIDED and not joint:
         walk = _clear_of_all(prepared, node, attack, others, config)
         if walk is not None:
-            return Path(status=Status.HIT if touched else Status.AVOIDED, walk=walk, joint=True)
-    return Path(status=Status.HIT if touched else chosen.status, walk=chosen.walk, joint=joint)
+            return JointPath(status=status, walk=walk, joint=True)
+    return JointPath(status=status, walk=chosen.walk, joint=joint)
 
 
 def _clear(prepared: Prepared, walk: Walk, attacks: Sequence[Attack]) -> bool:
@@ -99,7 +100,7 @@ def _clear_of_all(
     if crop is None:
         return None
     graph = prepared.graph
-    found = enumerate_candidates(
+    candidates = enumerate_candidates(
         graph,
         prepared.tables,
         node,
@@ -107,12 +108,12 @@ def _clear_of_all(
         window=config.T_window,
         capacity=config.capacity,
     )
-    if not len(found.length):
+    if not len(candidates.length):
         return None
-    judged = judge(prepared.device, found, attack, crop, config, frame_rate=graph.frame_rate)
+    judged = judge(prepared.device, candidates, attack, crop, config, frame_rate=graph.frame_rate)
     for index in judged["order"][: config.checks]:
-        length = int(found.length[index])
-        path = make_walk(graph, found.edges[index, :length], judged["scales"][index, :length])
+        length = int(candidates.length[index])
+        path = make_walk(graph, candidates.edges[index, :length], judged["scales"][index, :length])
         if not _clear(prepared, path, others):
             continue
         played = continue_clear(prepared.posed, attack, path, config)
@@ -133,4 +134,4 @@ def played_clearance(graph: MotionGraph, piece: Piece, attack: Attack, since: fl
     motion = sample_walk(graph, piece.walk, times - piece.begins, start=piece.start)
     spheres = preset_spheres(graph.skeleton)
     trace = trace_motion(graph, spheres, replace(motion, frame_rate=EXPORT_RATE))
-    return clearance(retimed(attack, first / EXPORT_RATE), trace, spheres.radii)[1]
+    return clearance(shifted(attack, first / EXPORT_RATE), trace, spheres.radii)[1]

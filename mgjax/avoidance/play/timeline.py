@@ -15,15 +15,6 @@ from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk, sample_walk
 
 
-@dataclass(frozen=True, kw_only=True)
-class Played:
-    """An edge of the history: when it began, s, and the factor on its duration."""
-
-    edge: int
-    start: float
-    scale: float
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Piece:
     """A stretch of the timeline.
@@ -109,11 +100,6 @@ class Timeline:
         """Poses in the world at ascending times."""
         piece = self.between(float(times[0]), float(times[-1]))
         return sample_walk(self.graph, piece.walk, times - piece.begins, start=piece.start)
-
-    def history(self) -> list[Played]:
-        """What was played since 0 s, and what is already decided."""
-        rows = zip(self.edges, self.starts[:-1], self.scales, strict=True)
-        return [Played(edge=edge, start=start, scale=scale) for edge, start, scale in rows]
 
     def walk(self) -> Walk:
         """The history as a walk; with ``start`` as its start it gives the poses that are shown."""

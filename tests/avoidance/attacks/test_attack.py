@@ -218,7 +218,8 @@ def crop_of_every_moment(attack: Attack, radius: float, height: float, start: fl
         return None
     times = np.linspace(begin, attack.end, int(np.ceil((attack.end - begin) * 1000)) + 2)
     x, y, z = np.moveaxis(attack.at(times), -1, 0)
-    inside = times[((np.hypot(x, z) <= radius) & (y >= 0) & (y <= height)).any(axis=1)]
+    near = (np.hypot(x, z) <= radius) & (y >= 0) & (y <= height) & attack.active(times)
+    inside = times[near.any(axis=1)]
     return (inside[0], inside[-1]) if len(inside) else None
 
 

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance import choose
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.coverage.report import COMPASS, bearing, report
 from mgjax.avoidance.coverage.shares import cells, interval, outcomes, shares, worst_cells
-from mgjax.avoidance.coverage.throws import NO_KIND, Coverage, _ball, coverage
+from mgjax.avoidance.coverage.throws import NO_KIND, Coverage, coverage
 from mgjax.avoidance.many.attacks import (
     NO_PART,
     BatchSelection,
@@ -83,11 +84,11 @@ def test_balls_are_dealt_evenly(small: Coverage) -> None:
 def test_answers_are_those_of_single_choices(made_graph: MotionGraph, small: Coverage) -> None:
     config = AvoidanceConfig()
     for i in range(0, len(small), 3):
-        ball = _ball(
+        ball = ball_from(
             float(small.directions[small.direction[i]]),
             float(small.heights[small.height[i]]),
-            float(small.arrivals[small.arrival[i]]),
-            10.0,
+            arrives=float(small.arrivals[small.arrival[i]]),
+            speed=10.0,
         )
         wanted = choose(made_graph, int(small.node[i]), ball, config=config)
         assert tuple(Status)[small.answers.status[i]] == wanted.status
@@ -99,7 +100,7 @@ def test_answers_are_those_of_single_choices(made_graph: MotionGraph, small: Cov
 
 def test_directions_turn_to_the_left() -> None:
     # Ahead is +z, the left +x; at the axis 1.2 s from now.
-    ball = _ball(np.pi / 2, 0.7, 1.2, 10.0)
+    ball = ball_from(np.pi / 2, 0.7, arrives=1.2, speed=10.0)
     np.testing.assert_allclose(ball.centres[0, 0], [5.0, 0.7, 0.0], atol=1e-9)
     np.testing.assert_allclose(ball.at(np.array([1.2]))[0, 0], [0.0, 0.7, 0.0], atol=1e-9)
     assert [bearing(np.radians(x)) for x in (0, 45, 180, 270, 337.5)] == [

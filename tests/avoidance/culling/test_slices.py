@@ -12,7 +12,7 @@ from mgjax.avoidance.attacks.crop import Crop, crop_attack
 from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
 from mgjax.avoidance.body.spheres import BodySpheres
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
-from mgjax.avoidance.culling.candidates import cull as slices_cull
+from mgjax.avoidance.culling import cull as slices_cull
 from mgjax.avoidance.culling.cull import cull, overlap_pixels, padded_pixels
 from mgjax.avoidance.culling.overlap import overlap, play
 from mgjax.avoidance.culling.pictures import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from experiments.benchmarks.grid_index import paths_per_cell
-from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.body.spheres import preset_spheres
@@ -261,10 +261,8 @@ def test_the_choice_is_as_good_with_the_index(
     monkeypatch.setattr(choice, "enumerate_candidates", None)  # the index holds them all
     looked_up = rest = 0
     for node in rng.integers(made_graph.num_nodes, size=24):
-        at = np.array([0.0, rng.uniform(0.5, 1.7), 0.0])
-        side = rng.uniform(0, 2 * np.pi)
-        start = at + 3 * np.array([np.sin(side), 0, np.cos(side)])
-        attack = ball_attack(start, at, speed=10.0, arrives=SHORT_S - 0.6)
+        height, side = rng.uniform(0.5, 1.7), rng.uniform(0, 2 * np.pi)
+        attack = ball_from(side, height, distance=3.0, arrives=SHORT_S - 0.6)
         config = AvoidanceConfig(checks=8)
         with monkeypatch.context() as plainly:
             plainly.setattr(choice, "enumerate_candidates", enumerate_candidates)

@@ -170,7 +170,7 @@ def test_each_answer_is_that_of_a_search(any_graph: MotionGraph) -> None:
             untimed = wanted.dropped.not_adjustable + wanted.dropped.time_scale
             assert got.usable[g] == len(got.candidates.length) - untimed
             if wanted.energy is None:
-                assert np.isnan(got.scores.total[g])
+                assert np.isnan(got.total[g])
                 continue
             np.testing.assert_allclose(got.clearance[g], wanted.clearance_m, atol=1e-5)
             np.testing.assert_allclose(got.time_scale[g], wanted.time_scale, atol=1e-6)
@@ -211,7 +211,7 @@ def test_nothing_to_choose_from(made_graph: MotionGraph) -> None:
     got = sweep_energies(made_graph, 0, far, GRID)
     assert got.status.tolist() == [Status.NO_CANDIDATE.code] * len(GRID)
     assert (got.crop, got.candidates) == (None, None)
-    assert np.isnan(got.scores.total).all()
+    assert np.isnan(got.total).all()
     narrow = AvoidanceConfig(T_window=1e-3)
     got = sweep_energies(made_graph, 0, ball, GRID[:1], config=narrow)
     assert got.path(0) == ()

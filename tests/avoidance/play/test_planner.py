@@ -10,8 +10,8 @@ import pytest
 
 from experiments.benchmarks.planner import ball_at, play, soak
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.ball import ball_attack
-from mgjax.avoidance.attacks.transform import moved, since
+from mgjax.avoidance.attacks.ball import ball_from
+from mgjax.avoidance.attacks.transform import after, in_frame
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
@@ -45,9 +45,10 @@ def world_throw(planner: Planner, rng: np.random.Generator, now: float, **more: 
     """A ball at where the body is now, in the world."""
     root = planner.frame(now).root_translation[0]
     side = rng.uniform(0, 2 * np.pi)
-    at = np.array([root[0], rng.uniform(0.6, 1.6), root[2]])
-    start = at + 5.0 * np.array([np.sin(side), 0.0, np.cos(side)])
-    ball = ball_attack(start, at, speed=10.0, arrives=more.get("arrives", 1.2))
+    height = rng.uniform(0.6, 1.6)
+    ball = ball_from(
+        side, height, at=(float(root[0]), float(root[2])), arrives=more.get("arrives", 1.2)
+    )
     return replace(ball, times=ball.times + now)
 
 
@@ -137,9 +138,9 @@ def test_what_is_shown_is_what_is_written(made_graph: MotionGraph) -> None:
     np.testing.assert_allclose(np.abs(np.sum(turns * written.local_rotations, -1)), 1, atol=1e-5)
     # The past stays as it was.
     np.testing.assert_array_equal(planner.frame(times[70]).root_translation, roots[70:71])
-    history = planner.timeline.history()
-    assert [p.edge for p in history] == walk.edges.tolist()
-    np.testing.assert_allclose([p.start for p in history], walk.starts(made_graph)[:-1], atol=1e-12)
+    line = planner.timeline
+    assert line.edges == walk.edges.tolist()
+    np.testing.assert_allclose(line.starts, walk.starts(made_graph), atol=1e-12)
     # It begins where it was told to.
     frame = planar_frames(made_graph.skeleton, global_positions(made_graph.skeleton, shown[0]))[0]
     np.testing.assert_allclose(frame, start, atol=0.02)  # a transition's pose is blended
@@ -177,7 +178,7 @@ def test_found_at_once_is_spliced_in_at_the_end_of_the_edge(made_graph: MotionGr
         line = planner.timeline
         count, node, end = len(line.edges), line.node, line.end
         assert line.deadline > clock.now()
-        asked = moved(attack, line.frame_at_end(), end)
+        asked = in_frame(attack, line.frame_at_end(), end)
         planner.attack(attack)
         answer = planner.finish()[0]
         if end >= attack.end:  # too long an edge
@@ -436,9 +437,9 @@ def test_a_search_that_raises_is_told_once(
 
 def test_what_is_left_of_an_attack() -> None:
     attack = with_knots(throw(np.random.default_rng(1), arrives=1.0), 200)
-    assert since(attack, attack.start) is attack
+    assert after(attack, attack.start) is attack
     now = 0.9123
-    left = since(attack, now)
+    left = after(attack, now)
     assert left.start == now
     times = np.linspace(now, attack.end, 50)
     np.testing.assert_allclose(left.at(times), attack.at(times), atol=1e-12)
@@ -449,11 +450,11 @@ def test_what_is_left_of_an_attack() -> None:
         starts=np.array([attack.start, attack.times[-2]]),
         stops=np.array([attack.times[3], attack.end]),
     )
-    left = since(two, float(attack.times[10]))
+    left = after(two, float(attack.times[10]))
     assert left.radii.tolist() == [0.2]
     assert left.starts is not None
     np.testing.assert_array_equal(left.starts, attack.times[[-2]])
-    shifted = moved(two, np.array([0.3, 1.0, 2.0]), 0.4)
+    shifted = in_frame(two, np.array([0.3, 1.0, 2.0]), 0.4)
     assert shifted.stops is not None
     np.testing.assert_allclose(shifted.stops, two.stops - 0.4)
     np.testing.assert_allclose(
@@ -468,7 +469,7 @@ def test_the_check_of_a_stretch_is_that_of_the_whole(made_graph: MotionGraph) ->
     planner.frame(9.0)
     line = planner.timeline
     rng = np.random.default_rng(7)
-    attack = since(world_throw(planner, rng, 5.0, arrives=0.4), 5.2)
+    attack = after(world_throw(planner, rng, 5.0, arrives=0.4), 5.2)
     whole, part = (line.between(a, b) for a, b in ((0.0, 9.0), (5.0, attack.end + 0.1)))
     a, b = (played_clearance(made_graph, piece, attack, 5.2) for piece in (whole, part))
     assert a == pytest.approx(b, abs=1e-5)
