@@ -28,6 +28,8 @@ _HOMES = {
     "load_attack": "mgjax.avoidance.attacks.json_file",
     "load_index": "mgjax.avoidance.index.files",
     "merge_attacks": "mgjax.avoidance.attacks.merge",
+    "Prepared": "mgjax.avoidance.prepared",
+    "prepare": "mgjax.avoidance.prepared",
     "save_index": "mgjax.avoidance.index.files",
     "select": "mgjax.avoidance.choice.selection",
     "select_batch": "mgjax.avoidance.many.attacks",

@@ -22,9 +22,14 @@ T = TypeVar("T")
 MAX_GRAPHS = 8
 """Graphs whose values are kept; of more, those used longest ago lose theirs."""
 
+MAX_VALUES = 16
+"""Values kept for one graph, under as many settings; of more, those used longest ago go."""
+
 
 class GraphCache:
     """Values computed from graphs, for the ``max_graphs`` graphs that were used last.
+
+    Of each graph the last ``MAX_VALUES`` are kept.
 
     Threads may share it. Two that ask for one value at the same time wait for one computation;
     values of other graphs, and other values of the same graph, do not wait for it.
@@ -53,7 +58,7 @@ class GraphCache:
                 raised error is passed on and not kept. It may call ``cached`` for other keys.
         """
         with self._lock:
-            slot = self._entry(graph).slots.setdefault(key, _Slot())
+            slot = self._entry(graph).slot(key)
         with slot.lock:
             if not slot.full:
                 slot.value = make()
@@ -86,7 +91,15 @@ class _Entry:
 
     def __init__(self, graph: weakref.ref[MotionGraph]) -> None:
         self.graph = graph
-        self.slots: dict[Hashable, _Slot] = {}
+        self.slots: OrderedDict[Hashable, _Slot] = OrderedDict()
+
+    def slot(self, key: Hashable) -> _Slot:
+        """The slot of a key, the last one used from now on."""
+        slot = self.slots.setdefault(key, _Slot())
+        self.slots.move_to_end(key)
+        while len(self.slots) > MAX_VALUES:
+            self.slots.popitem(last=False)
+        return slot
 
 
 class _Slot:

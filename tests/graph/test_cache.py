@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mgjax.graph.cache import MAX_GRAPHS, GraphCache, cached
+from mgjax.graph.cache import MAX_GRAPHS, MAX_VALUES, GraphCache, cached
 from mgjax.graph.types import MotionGraph
 
 
@@ -193,3 +193,14 @@ def test_threads_that_make_and_drop_graphs(made_graph: MotionGraph) -> None:
     gc.collect()
     assert not wrong
     assert len(cache) == 0
+
+
+def test_the_values_of_one_graph_are_bounded(made_graph: MotionGraph) -> None:
+    cache, make = GraphCache(), Maker()
+    for number in range(MAX_VALUES + 1):
+        cache.cached(made_graph, number, make)
+    assert make.calls == MAX_VALUES + 1
+    cache.cached(made_graph, MAX_VALUES, make)
+    assert make.calls == MAX_VALUES + 1
+    cache.cached(made_graph, 0, make)  # used longest ago, so it is gone
+    assert make.calls == MAX_VALUES + 2

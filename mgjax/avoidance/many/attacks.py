@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import jax
@@ -11,21 +11,13 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import Shots, make_shot
-from mgjax.avoidance.attacks.crop import Crop, crop_attack
 from mgjax.avoidance.candidates.batch import LENGTH, empty_walks, pad_candidates
-from mgjax.avoidance.candidates.enumerate import (
-    Candidates,
-    enumerate_candidates,
-    natural_times,
-)
 from mgjax.avoidance.choice.decision import decide
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.search import (
     DEPTH,
     HOPELESS_M,
     STATUS,
-    Query,
     SearchInput,
     SearchResult,
     is_long,
@@ -34,6 +26,7 @@ from mgjax.avoidance.choice.search import (
 from mgjax.avoidance.choice.start import validate_start
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.energy.score import ROWS
+from mgjax.avoidance.many.groups import MOST, TOGETHER, Asked, all_asked, firsts_of, groups
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.avoidance.timing.time_scale import OK
@@ -43,16 +36,9 @@ from mgjax.graph.types import MotionGraph
 
 NO_PART = -1
 
-TOGETHER = 2048
-"""Candidates of one call, of as many attacks as have room."""
-
-MOST = 64
-"""Attacks of one call."""
 
 AHEAD = 4
 """Calls that are under way while the questions of the next one are put."""
-
-_LIMIT = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,15 +61,6 @@ class BatchSelection:
     energy: Float[np.ndarray, " B"]
     d: Float[np.ndarray, " B"]
     t_attack: Float[np.ndarray, " B"]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Asked:
-    """One of many attacks, number ``number`` of them, that has candidates."""
-
-    number: int
-    query: Query
-    shots: Shots
 
 
 def select_batch(
@@ -121,9 +98,9 @@ def select_batch(
     for node, attack in zip(places, attacks, strict=True):
         validate_start(prepared, int(node), attack)
     answers = _no_answers(len(attacks))
-    under_way: deque[tuple[list[_Asked], SearchResult]] = deque()
-    doubtful: list[tuple[_Asked, SearchResult]] = []
-    for group in _groups(_all_asked(prepared, places, attacks, answers, config)):
+    under_way: deque[tuple[list[Asked], SearchResult]] = deque()
+    doubtful: list[tuple[Asked, SearchResult]] = []
+    for group in groups(all_asked(prepared, places, attacks, answers, config)):
         under_way.append((group, _search(prepared, group, config)))
         if len(under_way) > AHEAD:  # the others are computed while this one is looked at
             doubtful += _decide_by_bounds(*under_way.popleft(), answers, config)
@@ -142,84 +119,8 @@ def _no_answers(count: int) -> dict[str, np.ndarray]:
     return answers
 
 
-def _all_asked(
-    prepared: Prepared,
-    nodes: Int[np.ndarray, " B"],
-    attacks: Sequence[Attack],
-    answers: dict[str, np.ndarray],
-    config: AvoidanceConfig,
-) -> Iterator[_Asked]:
-    """The attacks that have candidates; those of one node are enumerated together."""
-    graph, tables, reach = prepared.graph, prepared.tables, prepared.posed.reach
-    crops: dict[int, Crop] = {}
-    for i, attack in enumerate(attacks):
-        crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
-        if crop is not None:
-            crops[i] = crop
-            answers["t_attack"][i] = crop.middle
-    for node in np.unique(nodes[list(crops)] if crops else nodes[:0]):
-        here = [i for i in np.flatnonzero(nodes == node).tolist() if i in crops]
-        middles = [crops[i].middle for i in here]
-        low, high = min(middles), max(middles)
-        wide = enumerate_candidates(
-            graph,
-            tables,
-            int(node),
-            0.5 * (low + high),
-            window=config.T_window + high - low,
-            capacity=_LIMIT,
-        )
-        times = natural_times(tables, wide)
-        for i, middle in zip(here, middles, strict=True):
-            subset = _within(wide, times, middle, config)
-            answers["candidates"][i] = len(subset.length) + subset.overflow
-            if len(subset.length):
-                query = Query(node=int(node), attack=attacks[i], crop=crops[i], candidates=subset)
-                long = is_long(subset, query.attack)
-                shots = make_shot(query.attack, query.crop, config, reach, long=long)
-                yield _Asked(number=i, query=query, shots=shots)
-
-
-def _groups(all_asked: Iterator[_Asked]) -> Iterator[list[_Asked]]:
-    """Attacks that are answered in one call: of equal shapes, as many as have room."""
-    waiting: dict[tuple, tuple[list[_Asked], int]] = {}
-    for asked in all_asked:
-        count = len(asked.query.candidates.length)
-        shape = asked.shots.frames.shape
-        group, together = waiting.get(shape, ([], 0))
-        if group and (len(group) == MOST or together + count > TOGETHER):
-            yield group
-            group, together = [], 0
-        waiting[shape] = [*group, asked], together + count
-    yield from (group for group, _ in waiting.values())
-
-
-def _within(
-    wide: Candidates, times: Float[np.ndarray, " C"], middle: float, config: AvoidanceConfig
-) -> Candidates:
-    """Those of some candidates that satisfy eq. 1 for an attack at ``middle``."""
-    off = np.abs(times - middle)
-    fits = np.flatnonzero(off < config.T_window / 2)
-    beyond = max(len(fits) - config.capacity, 0)
-    if beyond:
-        fits = np.sort(fits[np.argsort(off[fits], kind="stable")[: config.capacity]])
-    length = wide.length[fits]
-    return Candidates(
-        edges=wide.edges[fits, : int(length.max(initial=1))],
-        length=length,
-        part=wide.part[fits],
-        overflow=wide.overflow + beyond,
-    )
-
-
-def _firsts(group: list[_Asked]) -> Int[np.ndarray, " A1"]:
-    """Where the candidates of each attack begin and, last, where they end."""
-    counts = [len(asked.query.candidates.length) for asked in group]
-    return np.concatenate([[0], np.cumsum(counts)])
-
-
-def _search(prepared: Prepared, group: list[_Asked], config: AvoidanceConfig) -> SearchResult:
-    firsts = _firsts(group)
+def _search(prepared: Prepared, group: list[Asked], config: AvoidanceConfig) -> SearchResult:
+    firsts = firsts_of(group)
     size = bucket_size(int(firsts[-1]), TOGETHER, 4)
     long = is_long(group[-1].query.candidates, group[-1].query.attack)
     longest = max(asked.query.candidates.edges.shape[1] for asked in group)
@@ -248,14 +149,14 @@ def _search(prepared: Prepared, group: list[_Asked], config: AvoidanceConfig) ->
 
 
 def _decide_by_bounds(
-    group: list[_Asked],
+    group: list[Asked],
     result: SearchResult,
     answers: dict[str, np.ndarray],
     config: AvoidanceConfig,
-) -> list[tuple[_Asked, SearchResult]]:
+) -> list[tuple[Asked, SearchResult]]:
     """Where the bounds of the first candidate leave no doubt that is the answer; the rest."""
     result = jax.tree.map(np.asarray, result)
-    firsts = _firsts(group)
+    firsts = firsts_of(group)
     starts, count = firsts[:-1], len(group)
     fit = result.table[STATUS, : firsts[-1]] == OK
     hope = fit & (result.table[DEPTH, : firsts[-1]] >= -HOPELESS_M)
@@ -300,7 +201,7 @@ def _alone(result: SearchResult, firsts: Int[np.ndarray, " A1"], row: int) -> Se
 
 def _look_closer(
     prepared: Prepared,
-    asked: _Asked,
+    asked: Asked,
     result: SearchResult,
     answers: dict[str, np.ndarray],
     config: AvoidanceConfig,

@@ -165,7 +165,9 @@ def _no_answers(count: int, candidates: Candidates | None, crop: Crop | None) ->
     )
 
 
-_VALUES = tuple(field.name for field in fields(Energy))
+_VALUES = tuple(
+    field.name for field in fields(Swept) if field.name in {other.name for other in fields(Energy)}
+)
 """Measures and scores that a sweep reports."""
 
 
