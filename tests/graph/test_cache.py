@@ -164,12 +164,12 @@ def test_another_graph_does_not_wait(made_graph: MotionGraph) -> None:
 
     def blocked() -> int:
         entered.set()
-        assert release.wait(30)
+        assert release.wait(300)
         return 1
 
     thread = threading.Thread(target=cache.cached, args=(made_graph, "blocked", blocked))
     thread.start()
-    assert entered.wait(30)
+    assert entered.wait(300)
     # Neither do the other values of the same graph.
     assert cache.cached(copy_of(made_graph), "blocked", lambda: 2) == 2
     assert cache.cached(made_graph, "free", lambda: 3) == 3

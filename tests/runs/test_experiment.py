@@ -199,8 +199,12 @@ def run_at_smoke_size(tmp_path_factory) -> Callable[[str], dict[str, Any]]:
     return lambda name: smoke_run(name, base / name)
 
 
-SLOW = ("experiments.benchmarks.fabrik", "experiments.benchmarks.random_attacks")
-"""Each compiles some twenty programs that no test shares, a minute's work."""
+SLOW = (
+    "experiments.benchmarks.fabrik",
+    "experiments.benchmarks.random_attacks",
+    "experiments.hybrid.reach",
+)
+"""Each compiles programs that no test shares, for about a minute; what they call is tested."""
 
 
 @pytest.mark.parametrize(

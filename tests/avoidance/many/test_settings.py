@@ -151,6 +151,10 @@ def test_energies_are_those_of_a_search_with_the_setting(any_graph: MotionGraph)
                 np.testing.assert_allclose(close, wanted[name][usable], atol=1e-5)
 
 
+# The graph of capture takes the same way through other shapes, half a minute of compiling.
+@pytest.mark.parametrize(
+    "any_graph", ["made", pytest.param("real", marks=pytest.mark.long)], indirect=True
+)
 def test_each_answer_is_that_of_a_search(any_graph: MotionGraph) -> None:
     rng = np.random.default_rng(5)
     seen = set()
