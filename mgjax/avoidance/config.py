@@ -11,9 +11,9 @@ from mgjax.core.errors import ConfigError
 from mgjax.core.traced import Number
 
 BALL_RADIUS_M = 0.12
-"""Of a ball where nothing else is said."""
+"""Radius of a ball where nothing else is said."""
 BALL_SPEED_M_S = 10.0
-"""Of the balls by which the coverage of a graph is measured."""
+"""Speed of the balls by which the coverage of a graph is measured."""
 HEIGHTS_M = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7)
 """Where they pass the body's axis: from the shins to the head."""
 ARRIVALS_S = (0.8, 1.2, 1.6)

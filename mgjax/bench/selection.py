@@ -181,7 +181,7 @@ def _many_candidates(graph: MotionGraph, count: int, t_attack: float) -> Candida
     rng = np.random.default_rng(0)
     edges, length, part, total = [], [], [], 0
     while total < count:
-        found = enumerate_candidates(
+        selected = enumerate_candidates(
             graph,
             tables,
             int(rng.integers(graph.num_nodes)),
@@ -189,13 +189,13 @@ def _many_candidates(graph: MotionGraph, count: int, t_attack: float) -> Candida
             window=config.T_window,
             capacity=config.capacity,
         )
-        padded = np.full((len(found.length), 48), NO_EDGE)
-        width = min(found.edges.shape[1], 48)
-        short = found.length <= width
-        padded[:, :width] = found.edges[:, :width]
+        padded = np.full((len(selected.length), 48), NO_EDGE)
+        width = min(selected.edges.shape[1], 48)
+        short = selected.length <= width
+        padded[:, :width] = selected.edges[:, :width]
         edges.append(padded[short])
-        length.append(found.length[short])
-        part.append(found.part[short])
+        length.append(selected.length[short])
+        part.append(selected.part[short])
         total += int(short.sum())
     return Candidates(
         edges=np.concatenate(edges)[:count],
@@ -212,21 +212,21 @@ def batch_row(
     balls = random_balls(graph, attacks, seed)
     places = np.array([ball.node for ball in balls])
     places = np.random.default_rng(seed).choice(places, nodes)[np.arange(attacks) % nodes]
-    given = [ball.attack for ball in balls]
-    found = None
+    attacks_thrown = [ball.attack for ball in balls]
+    selected = None
 
     def work() -> Any:
-        nonlocal found
-        found = select_batch(graph, places, given)
-        return found.clearance
+        nonlocal selected
+        selected = select_batch(graph, places, attacks_thrown)
+        return selected.clearance
 
     row = _timed(work, repeats)
-    assert found is not None
+    assert selected is not None
     return {
         "case": "many attacks at once",
         "attacks": attacks,
         "nodes": nodes,
-        "candidates": float(found.candidates.mean()),
+        "candidates": float(selected.candidates.mean()),
         "per_attack_ms": row["median_ms"] / attacks,
         **row,
     }

@@ -23,32 +23,32 @@ def edges(values: np.ndarray, low: float, high: float) -> np.ndarray:
     return np.concatenate([[max(values[0] - half, low)], between, [min(values[-1] + half, high)]])
 
 
-def rightwards(found: Coverage) -> np.ndarray:
+def rightwards(result: Coverage) -> np.ndarray:
     """Degrees to the right of each direction, −180 … 180."""
-    return (180.0 - np.degrees(found.directions)) % 360.0 - 180.0
+    return (180.0 - np.degrees(result.directions)) % 360.0 - 180.0
 
 
 def heat_map(
-    axes: Axes, found: Coverage, share: np.ndarray, colours: str, most: float, size: float = 7
+    axes: Axes, result: Coverage, share: np.ndarray, colours: str, most: float, size: float = 7
 ) -> QuadMesh:
     """One heat map; the cell behind is drawn at both ends, where the cylinder was cut."""
-    order = np.argsort(rightwards(found), kind="stable")
-    right = rightwards(found)[order]
+    order = np.argsort(rightwards(result), kind="stable")
+    right = rightwards(result)[order]
     width = 360.0 / len(right)
     columns = np.concatenate([right - 360.0, right, right + 360.0])
     borders = np.append(columns - width / 2, columns[-1] + width / 2)
-    levels = edges(found.heights, 0.0, np.inf)
+    levels = edges(result.heights, 0.0, np.inf)
     values = np.tile(share[order].T, (1, 3))
     palette = mpl.colormaps[colours].with_extremes(bad="#ffffff")
     mesh = axes.pcolormesh(
         borders, levels, np.ma.masked_invalid(values), cmap=palette, vmin=0, vmax=most,
         edgecolors="white", linewidth=0.5,
     )  # fmt: skip
-    if len(found.heights) <= MOST_NUMBERS and len(right) <= 2 * MOST_NUMBERS:
-        _numbers(axes, columns, width, found.heights, values, mesh, size)
+    if len(result.heights) <= MOST_NUMBERS and len(right) <= 2 * MOST_NUMBERS:
+        _numbers(axes, columns, width, result.heights, values, mesh, size)
     axes.set(xlim=(-180, 180), ylim=(levels[0], levels[-1]))
     axes.set_xticks(list(SIDES), labels=list(SIDES.values()))
-    axes.set_yticks(found.heights, labels=[f"{h:g}" for h in found.heights])
+    axes.set_yticks(result.heights, labels=[f"{h:g}" for h in result.heights])
     axes.tick_params(labelsize=max(size, 8), length=2)
     for border in (-90, 0, 90):
         axes.axvline(border, color="k", linewidth=0.5, alpha=0.25)
@@ -85,11 +85,11 @@ def _numbers(
             )  # fmt: skip
 
 
-def frame_cell(axes: Axes, found: Coverage, direction: int, height: int) -> None:
+def frame_cell(axes: Axes, result: Coverage, direction: int, height: int) -> None:
     """A frame around one cell, at both ends where it was cut."""
-    width = 360.0 / len(found.directions)
-    levels = edges(found.heights, 0.0, np.inf)
-    middle = rightwards(found)[direction]
+    width = 360.0 / len(result.directions)
+    levels = edges(result.heights, 0.0, np.inf)
+    middle = rightwards(result)[direction]
     for x in (middle - 360.0, middle, middle + 360.0):
         left, right = max(x - width / 2, -180.0), min(x + width / 2, 180.0)
         if right > left:

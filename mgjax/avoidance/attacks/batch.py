@@ -45,7 +45,7 @@ class AttackColumn(IntEnum):
     """When what counts of the attack begins, s."""
     END = 6
     FIRST_FRAME = 7
-    """Of the written motion."""
+    """The frames of the written motion at which an attack counts."""
     FRAME_COUNT = 8
     MARGIN = 9
     """How near to the body's reach a sphere has to come to be looked at, m."""
@@ -192,8 +192,8 @@ def _sag(attack: Attack, step: float) -> float:
     """How far spheres stray from straight lines over ``step`` s, m."""
     sag = (attack.acceleration + _kinks(attack, step)) * step**2 / 8
     if attack.acceleration and len(attack.times) > 1:
-        apart = float((attack.times[1:] - attack.times[:-1]).max())
-        sag += attack.acceleration * apart**2 / 8 if apart > step else 0.0
+        interval = float((attack.times[1:] - attack.times[:-1]).max())
+        sag += attack.acceleration * interval**2 / 8 if interval > step else 0.0
     return sag
 
 

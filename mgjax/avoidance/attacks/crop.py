@@ -53,12 +53,12 @@ def crop_attack(attack: Attack, *, radius: float, height: float, start: float = 
     # Lines of few knots are clipped one by one; to look at many knots at once is quicker.
     few = len(attack.times) > 1 and attack.centres.size <= _FEW
     if few and attack.starts is None and attack.stops is None:
-        found = _first_and_last(attack, samples, radius, height)
+        span = _first_and_last(attack, samples, radius, height)
     else:
-        found = _of_many(attack, samples, radius, height)
-    if found is None:
+        span = _of_many(attack, samples, radius, height)
+    if span is None:
         return None
-    return Crop(start=samples.time(found[0]), end=samples.time(found[1]))
+    return Crop(start=samples.time(span[0]), end=samples.time(span[1]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,7 +127,7 @@ def _first_and_last(
 ) -> tuple[int, int] | None:
     """First and last moment at which a centre is in the cylinder: from both ends of each line."""
     times = attack.times.tolist()
-    found: list[int] = []
+    span: list[int] = []
     for places in attack.centres.transpose(1, 0, 2).tolist():
         lines = list(pairwise(zip(times, places, strict=True)))
         for order, turn in ((lines, 1), (lines[::-1], -1)):
@@ -137,8 +137,8 @@ def _first_and_last(
                 for number in _about_inside(line, samples, radius, height)[::turn]
                 if _is_inside(samples.time(number), line, radius, height)
             )
-            found += islice(inside, 1)
-    return (min(found), max(found)) if found else None
+            span += islice(inside, 1)
+    return (min(span), max(span)) if span else None
 
 
 def _about_inside(line: _Line, samples: _Samples, radius: float, height: float) -> range:
@@ -161,8 +161,8 @@ def _shares_inside(
         low, high = max(low, ends[0]), min(high, ends[1])
     squared, along = dx * dx + dz * dz, a[0] * dx + a[2] * dz
     if squared > _MARGIN_M**2:
-        apart = a[0] * a[0] + a[2] * a[2] - (radius + _MARGIN_M) ** 2
-        root = along * along - squared * apart
+        excess = a[0] * a[0] + a[2] * a[2] - (radius + _MARGIN_M) ** 2
+        root = along * along - squared * excess
         if root < 0:
             return None
         root = math.sqrt(root)

@@ -123,8 +123,8 @@ def _knots(begin: float, hit: float, end: float, rate: float) -> np.ndarray:
     step = 1 / (rate * parts)
     inner = np.arange(math.ceil(begin / step), math.floor(end / step) + 1) * step
     fixed = np.unique([begin, hit, end])
-    apart = np.abs(inner[:, None] - fixed).min(axis=1) > 1e-6
-    inner = inner[apart & (inner > begin) & (inner < end)]
+    separate = np.abs(inner[:, None] - fixed).min(axis=1) > 1e-6
+    inner = inner[separate & (inner > begin) & (inner < end)]
     return np.sort(np.concatenate([fixed, inner]))
 
 
@@ -159,8 +159,8 @@ def _stands(
     """Planar frame of the attacker at the hit; ``limb_end`` is in the attacker's own."""
     if (place is None) == (target is None):
         raise AttackError("got both or none of place and target, expected one of them")
-    given, count, name = (place, 3, "place") if target is None else (target, 2, "target")
-    values = np.asarray(given, dtype=np.float64)
+    chosen, count, name = (place, 3, "place") if target is None else (target, 2, "target")
+    values = np.asarray(chosen, dtype=np.float64)
     if values.shape != (count,) or not (np.abs(values) <= 1000).all():
         raise AttackError(
             f"got {name} {values.tolist()!s:.60}, expected {count} numbers within 1000"

@@ -84,9 +84,9 @@ _FALLBACKS = {"head_end": "head", "hand": "wrist", "toe": "ankle"}
 def _joint(skeleton: Skeleton, role: str) -> int:
     side, _, part = role.rpartition("_") if role != "head_end" else ("", "", role)
     if part in _FALLBACKS:
-        found = None if part == "head_end" else find_role(skeleton, role)
-        if found is not None:
-            return found
+        own = None if part == "head_end" else find_role(skeleton, role)
+        if own is not None:
+            return own
         base = _FALLBACKS[part] if not side else f"{side}_{_FALLBACKS[part]}"
         (joint,) = require_roles(skeleton, (base,))
         return next((j for j in skeleton.end_joints if skeleton.parents[j] == joint), joint)

@@ -21,7 +21,7 @@ CANDIDATE_BUCKETS = (8, 32, 128, 512, 4096)
 """Numbers of candidates that a call is compiled for; then four times as many, …"""
 
 LONG_CANDIDATE_BUCKETS = (128, 4096)
-"""The same for what is long, which comes seldom."""
+"""Numbers of candidates that a call is compiled for where walks or attacks are long."""
 
 EDGE_BUCKET = 40
 """Edges of a walk that a call is compiled for, and four times as many, …"""
@@ -69,7 +69,7 @@ class CandidateBatch:
         return values[self.owner]
 
     def rows(self, chosen: Int[Array, " K"]) -> CandidateBatch:
-        """Some of them."""
+        """The batch of the candidates with the given numbers."""
         return replace(self, table=self.table[:, chosen])
 
 

@@ -105,13 +105,13 @@ def best_of(prepared: Prepared, query: Query, config: AvoidanceConfig) -> Decisi
     if not len(kept.length):
         return Decision(choice=None, dropped=Dropped(culled=culled, overflow=kept.overflow))
     query = replace(query, candidates=kept)
-    given = search_input(query, config, prepared.posed.reach)
+    padded = search_input(query, config, prepared.posed.reach)
     result = search_one(
         prepared.device,
-        given.walks,
-        given.attack_batch,
+        padded.walks,
+        padded.attack_batch,
         on_device(config.energy),
         frame_rate=prepared.graph.frame_rate,
         limit_scale=config.limit_scale,
     )
-    return decide(prepared, query, given, result, config, culled=culled)
+    return decide(prepared, query, padded, result, config, culled=culled)

@@ -33,7 +33,7 @@ class Decision:
 def decide(
     prepared: Prepared,
     query: Query,
-    given: SearchInput,
+    padded: SearchInput,
     result: SearchResult,
     config: AvoidanceConfig,
     *,
@@ -44,7 +44,7 @@ def decide(
     Args:
         prepared: of the graph.
         query: the attack and its candidates.
-        given, result: the query as compiled code read it, and what it answered.
+        padded, result: the query as compiled code read it, and what it answered.
         config: settings.
         culled: candidates that slices dropped before.
     """
@@ -64,7 +64,7 @@ def decide(
     # Without hope for any the one that is touched least stands for all.
     hopeful = max(int(np.count_nonzero(fit & (table[DEPTH] >= -HOPELESS_M))), 1)
     order = np.asarray(result.order)[: min(hopeful, config.checks)]
-    ranked = in_order(prepared, order, given, result)
+    ranked = in_order(prepared, order, padded, result)
     number, verdict, touched = pick_first_clear(prepared, query.attack, ranked, config)
     if not verdict.clear:
         touched += usable - hopeful
@@ -76,8 +76,8 @@ def decide(
         status=Status.AVOIDED if verdict.clear else Status.HIT,
         node=query.node,
         walk=played.walk,
-        path_length=int(given.walks.length[number]),
-        part=int(given.walks.part[number]),
+        path_length=int(padded.walks.length[number]),
+        part=int(padded.walks.part[number]),
         time_scale=values.pop("s_time"),
         candidates=len(candidates.length) + candidates.overflow + culled,
         dropped=dropped,

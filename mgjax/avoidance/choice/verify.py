@@ -123,20 +123,20 @@ def pick_first_clear(
 
 
 def in_order(
-    prepared: Prepared, order: Int[np.ndarray, " K"], given: SearchInput, result: SearchResult
+    prepared: Prepared, order: Int[np.ndarray, " K"], padded: SearchInput, result: SearchResult
 ) -> Iterator[Bounded]:
     """Candidates in their order, each with its bounds; those of later ones are found on demand."""
     ready = result.bounds.figures.shape[0]
-    yield from bounded(order[:ready], result.bounds, given)
+    yield from bounded(order[:ready], result.bounds, padded)
     later = order[ready:]
-    for numbers, bounds in bounds_of(prepared, later, given, np.asarray(result.scales)):
-        yield from bounded(numbers, bounds, given)
+    for numbers, bounds in bounds_of(prepared, later, padded, np.asarray(result.scales)):
+        yield from bounded(numbers, bounds, padded)
 
 
 def bounds_of(
     prepared: Prepared,
     numbers: Int[np.ndarray, " K"],
-    given: SearchInput,
+    padded: SearchInput,
     scales: Float[np.ndarray, "L C"],
 ) -> Iterator[tuple[Int[np.ndarray, " K"], Bounds]]:
     """Bounds of some candidates, ``MORE_LANES`` of them at a time."""
@@ -145,9 +145,9 @@ def bounds_of(
         rows = np.resize(subset, MORE_LANES)  # repeats fill the lanes
         bounds = bound(
             prepared.device,
-            given.walks.rows(rows),
+            padded.walks.rows(rows),
             scales[:, rows],
-            given.attack_batch,
+            padded.attack_batch,
             frame_rate=prepared.graph.frame_rate,
         )
         count = len(subset)
@@ -155,13 +155,13 @@ def bounds_of(
 
 
 def bounded(
-    numbers: Int[np.ndarray, " K"], bounds: Bounds, given: SearchInput
+    numbers: Int[np.ndarray, " K"], bounds: Bounds, padded: SearchInput
 ) -> Iterator[Bounded]:
     """Candidates with their bounds, one by one."""
     edges, scales = np.asarray(bounds.edges), np.asarray(bounds.scales)
     figures = np.asarray(bounds.figures).tolist()
     for lane, number in enumerate(numbers.tolist()):
-        length = int(given.walks.length[number])
+        length = int(padded.walks.length[number])
         yield Bounded(number, length, edges[lane], scales[lane], *figures[lane])
 
 

@@ -21,36 +21,36 @@ BANDS = {"low": (0.0, 0.4), "waist-high": (0.4, 0.75), "high": (0.75, np.inf)}
 QUANTILES = (0.0, 0.1, 0.5, 0.9, 1.0)
 
 
-def report(graph: MotionGraph, found: Coverage) -> dict[str, Any]:
+def report(graph: MotionGraph, result: Coverage) -> dict[str, Any]:
     """The shares of all attacks, and where they are worst, as JSON values.
 
     ``cells`` has one list per direction with one share per height, None where no ball was thrown.
     ``regions`` and ``directions`` begin with the worst served. ``out_of_reach`` has, per time of
     arrival, the nodes from which eq. 1 cannot have any candidate because no part comes in time.
     """
-    everything = np.ones(len(found), bool)
-    candidates = found.answers.candidates
+    everything = np.ones(len(result), bool)
+    candidates = result.answers.candidates
     return {
-        "attacks": len(found),
-        "nodes": len(np.unique(found.node)),
-        "speed_m_s": found.speed,
-        "directions_deg": np.degrees(found.directions).round(3).tolist(),
-        "heights_m": found.heights.tolist(),
-        "arrivals_s": found.arrivals.tolist(),
-        "parts": {kind: graph.label_kind.count(kind) for kind in found.kinds},
-        "all": shares(found, everything),
+        "attacks": len(result),
+        "nodes": len(np.unique(result.node)),
+        "speed_m_s": result.speed,
+        "directions_deg": np.degrees(result.directions).round(3).tolist(),
+        "heights_m": result.heights.tolist(),
+        "arrivals_s": result.arrivals.tolist(),
+        "parts": {kind: graph.label_kind.count(kind) for kind in result.kinds},
+        "all": shares(result, everything),
         "arrivals": [
-            {"arrival_s": float(x)} | shares(found, found.arrival == i)
-            for i, x in enumerate(found.arrivals)
+            {"arrival_s": float(x)} | shares(result, result.arrival == i)
+            for i, x in enumerate(result.arrivals)
         ],
-        "cells": {name: _lists(cells(found, mask)) for name, mask in outcomes(found).items()},
-        "worst_cells": [_cell(found, *cell) for cell in worst_cells(found)],
-        "directions": _directions(found),
-        "regions": _regions(graph, found),
-        "clips": _clips(graph, found),
-        "out_of_reach": [_out_of_reach(graph, found, arrival) for arrival in found.arrivals],
-        "nearest_part_s": _quantiles(found.nearest_part[np.isfinite(found.nearest_part)]),
-        "nodes_without_any_part": int(np.isinf(found.nearest_part).sum()),
+        "cells": {name: _lists(cells(result, mask)) for name, mask in outcomes(result).items()},
+        "worst_cells": [_cell(result, *cell) for cell in worst_cells(result)],
+        "directions": _directions(result),
+        "regions": _regions(graph, result),
+        "clips": _clips(graph, result),
+        "out_of_reach": [_out_of_reach(graph, result, arrival) for arrival in result.arrivals],
+        "nearest_part_s": _quantiles(result.nearest_part[np.isfinite(result.nearest_part)]),
+        "nodes_without_any_part": int(np.isinf(result.nearest_part).sum()),
         "candidates": _quantiles(candidates) | {"mean": round(float(candidates.mean()), 2)},
     }
 
@@ -59,13 +59,13 @@ def _lists(values: Float[np.ndarray, "D H"]) -> list[list[float | None]]:
     return [[None if np.isnan(x) else round(float(x), 4) for x in row] for row in values]
 
 
-def _cell(found: Coverage, direction: int, height: int) -> dict[str, Any]:
-    angle = float(found.directions[direction])
+def _cell(result: Coverage, direction: int, height: int) -> dict[str, Any]:
+    angle = float(result.directions[direction])
     return {
         "direction_deg": round(float(np.degrees(angle)), 3),
         "from": bearing(angle),
-        "height_m": float(found.heights[height]),
-        **shares(found, (found.direction == direction) & (found.height == height)),
+        "height_m": float(result.heights[height]),
+        **shares(result, (result.direction == direction) & (result.height == height)),
     }
 
 
@@ -77,16 +77,16 @@ def bearing(angle: float) -> str:
     return f"{abs(degrees):g}° to the {'left' if degrees > 0 else 'right'}"
 
 
-def _directions(found: Coverage) -> list[dict[str, Any]]:
+def _directions(result: Coverage) -> list[dict[str, Any]]:
     rows = [
         {"direction_deg": round(float(np.degrees(angle)), 3), "from": bearing(angle)}
-        | shares(found, found.direction == i)
-        for i, angle in enumerate(found.directions)
+        | shares(result, result.direction == i)
+        for i, angle in enumerate(result.directions)
     ]
     return sorted(rows, key=lambda row: row["avoided"])
 
 
-def _regions(graph: MotionGraph, found: Coverage) -> list[dict[str, Any]]:
+def _regions(graph: MotionGraph, result: Coverage) -> list[dict[str, Any]]:
     """Attacks from within 22.5° of each point of the compass, in three bands of height.
 
     A direction half-way between two points counts for both.
@@ -94,47 +94,47 @@ def _regions(graph: MotionGraph, found: Coverage) -> list[dict[str, Any]]:
     rest = graph.skeleton.rest_height()
     rows: list[dict[str, Any]] = []
     for number, word in enumerate(COMPASS):
-        off = np.abs((np.degrees(found.directions) - 45 * number + 180) % 360 - 180)
-        from_there = (off <= 22.5 + 1e-6)[found.direction]
+        off = np.abs((np.degrees(result.directions) - 45 * number + 180) % 360 - 180)
+        from_there = (off <= 22.5 + 1e-6)[result.direction]
         for band, (low, high) in BANDS.items():
-            within = (found.heights >= low * rest) & (found.heights < high * rest)
-            mask = from_there & within[found.height]
+            within = (result.heights >= low * rest) & (result.heights < high * rest)
+            mask = from_there & within[result.height]
             if mask.any():
-                heights = found.heights[within]
+                heights = result.heights[within]
                 row = {"band": band, "heights_m": [float(heights[0]), float(heights[-1])]}
-                rows.append({"from": word} | row | shares(found, mask))
+                rows.append({"from": word} | row | shares(result, mask))
     return sorted(rows, key=lambda row: row["avoided"])
 
 
-def _clips(graph: MotionGraph, found: Coverage) -> list[dict[str, Any]]:
+def _clips(graph: MotionGraph, result: Coverage) -> list[dict[str, Any]]:
     """By the clip in which the character stands, the worst served first."""
-    clip = graph.node_clip[found.node]
+    clip = graph.node_clip[result.node]
     rows: list[dict[str, Any]] = [
         {
             "clip": graph.clip_names[int(i)],
-            "nodes": len(np.unique(found.node[clip == i])),
-            **shares(found, clip == i),
+            "nodes": len(np.unique(result.node[clip == i])),
+            **shares(result, clip == i),
         }
         for i in np.unique(clip)
     ]
     return sorted(rows, key=lambda row: row["avoided"])
 
 
-def _out_of_reach(graph: MotionGraph, found: Coverage, arrival: float) -> dict[str, Any]:
+def _out_of_reach(graph: MotionGraph, result: Coverage, arrival: float) -> dict[str, Any]:
     """The nodes that have no part within eq. 1, as stretches of clips, the longest first."""
-    limit = float(arrival) + found.window / 2
-    late = found.nearest_part >= limit
+    limit = float(arrival) + result.window / 2
+    late = result.nearest_part >= limit
     return {
         "arrival_s": float(arrival),
         "within_s": round(limit, 4),
         "nodes": int(late.sum()),
         "share": round(float(late.mean()), 4),
-        "stretches": sorted(_stretches(graph, found, late), key=lambda x: -len(x["nodes"])),
+        "stretches": sorted(_stretches(graph, result, late), key=lambda x: -len(x["nodes"])),
     }
 
 
 def _stretches(
-    graph: MotionGraph, found: Coverage, late: Bool[np.ndarray, " N"]
+    graph: MotionGraph, result: Coverage, late: Bool[np.ndarray, " N"]
 ) -> list[dict[str, Any]]:
     """Late nodes of one clip without one between them that is in time."""
     order = np.lexsort((graph.node_frame, graph.node_clip))
@@ -146,7 +146,7 @@ def _stretches(
             continue
         here = int(graph.node_clip[run[0]])
         frames = graph.node_frame[run[[0, -1]]] - graph.clip_starts[here]
-        slowest = float(found.nearest_part[run].max())
+        slowest = float(result.nearest_part[run].max())
         rows.append(
             {
                 "clip": graph.clip_names[here],
@@ -163,5 +163,5 @@ def _quantiles(values: np.ndarray) -> dict[str, float | None]:
     names = [f"p{100 * q:g}" for q in QUANTILES]
     if not len(values):
         return dict.fromkeys(names)
-    found = np.quantile(values, QUANTILES).round(4).tolist()
-    return dict(zip(names, found, strict=True))
+    result = np.quantile(values, QUANTILES).round(4).tolist()
+    return dict(zip(names, result, strict=True))

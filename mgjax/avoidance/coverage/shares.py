@@ -11,29 +11,29 @@ from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.coverage.throws import Coverage
 
 
-def shares(found: Coverage, mask: Bool[np.ndarray, " B"]) -> dict[str, Any]:
+def shares(result: Coverage, mask: Bool[np.ndarray, " B"]) -> dict[str, Any]:
     """What became of some attacks.
 
     ``no_time_scale`` is the part of ``no_candidate`` in which walks satisfy eq. 1 but none can be
     scaled to meet the attack. The interval allows for attacks at one node having like outcomes.
     """
     count = int(mask.sum())
-    status = found.answers.status[mask]
+    status = result.answers.status[mask]
     avoided = int((status == Status.AVOIDED.code).sum())
-    unscaled = (status == Status.NO_CANDIDATE.code) & (found.answers.candidates[mask] > 0)
+    unscaled = (status == Status.NO_CANDIDATE.code) & (result.answers.candidates[mask] > 0)
     numbers = {
         "avoided": avoided,
         "hit": int((status == Status.HIT.code).sum()),
         "no_candidate": int((status == Status.NO_CANDIDATE.code).sum()),
         "no_time_scale": int(unscaled.sum()),
     }
-    kinds = np.bincount(found.kind[mask] + 1, minlength=len(found.kinds) + 1)[1:]
+    kinds = np.bincount(result.kind[mask] + 1, minlength=len(result.kinds) + 1)[1:]
     return {
         "attacks": count,
         **{name: round(number / count, 4) for name, number in numbers.items()},
-        "avoided_interval": interval(avoided / count, _independent(found, mask)),
+        "avoided_interval": interval(avoided / count, _independent(result, mask)),
         "kinds": {
-            kind: round(int(n) / count, 4) for kind, n in zip(found.kinds, kinds, strict=True)
+            kind: round(int(n) / count, 4) for kind, n in zip(result.kinds, kinds, strict=True)
         },
     }
 
@@ -47,14 +47,14 @@ def interval(share: float, count: float) -> list[float]:
     return np.clip(ends, 0.0, 1.0).round(4).tolist()
 
 
-def _independent(found: Coverage, mask: Bool[np.ndarray, " B"]) -> float:
+def _independent(result: Coverage, mask: Bool[np.ndarray, " B"]) -> float:
     """How many independent attacks would say as much: their number by Kish's design effect.
 
     That is the variance of the share with whole nodes drawn, over that with attacks drawn. Where
     all have the same outcome it is unknown, and only the nodes count.
     """
-    _, place = np.unique(found.node[mask], return_inverse=True)
-    avoided = (found.answers.status[mask] == Status.AVOIDED.code).astype(np.float64)
+    _, place = np.unique(result.node[mask], return_inverse=True)
+    avoided = (result.answers.status[mask] == Status.AVOIDED.code).astype(np.float64)
     count, nodes, share = len(avoided), int(place.max()) + 1, float(avoided.mean())
     if nodes == 1 or share in (0.0, 1.0):
         return float(nodes)
@@ -62,29 +62,29 @@ def _independent(found: Coverage, mask: Bool[np.ndarray, " B"]) -> float:
     return count / max(together / (count * share * (1 - share)), 1.0)
 
 
-def outcomes(found: Coverage) -> dict[str, Bool[np.ndarray, " B"]]:
+def outcomes(result: Coverage) -> dict[str, Bool[np.ndarray, " B"]]:
     """Which attacks were avoided, hit or had no candidate, and which kind avoided them."""
-    status = found.answers.status
+    status = result.answers.status
     named = {"avoided": status == Status.AVOIDED.code, "hit": status == Status.HIT.code}
     named["no_candidate"] = status == Status.NO_CANDIDATE.code
-    return named | {f"kind/{kind}": found.kind == i for i, kind in enumerate(found.kinds)}
+    return named | {f"kind/{kind}": result.kind == i for i, kind in enumerate(result.kinds)}
 
 
-def cells(found: Coverage, mask: Bool[np.ndarray, " B"]) -> Float[np.ndarray, "D H"]:
+def cells(result: Coverage, mask: Bool[np.ndarray, " B"]) -> Float[np.ndarray, "D H"]:
     """Share of the attacks of each direction and height that are of a kind; NaN of none."""
-    thrown, counted = _count(found, np.ones_like(mask)), _count(found, mask)
+    thrown, counted = _count(result, np.ones_like(mask)), _count(result, mask)
     return np.divide(counted, thrown, out=np.full(thrown.shape, np.nan), where=thrown > 0)
 
 
-def worst_cells(found: Coverage, most: int = 8) -> list[tuple[int, int]]:
+def worst_cells(result: Coverage, most: int = 8) -> list[tuple[int, int]]:
     """Directions and heights served worst, worst first.
 
     Only those count whose whole 95 % interval lies below the share of all attacks, so that a cell
     is not named for having had bad luck with its nodes.
     """
-    avoided = found.answers.status == Status.AVOIDED.code
-    share = cells(found, avoided)
-    thrown, counted = _count(found, np.ones_like(avoided)), _count(found, avoided)
+    avoided = result.answers.status == Status.AVOIDED.code
+    share = cells(result, avoided)
+    thrown, counted = _count(result, np.ones_like(avoided)), _count(result, avoided)
     order = np.argsort(share, axis=None, kind="stable")  # NaN last
     worst: list[tuple[int, int]] = []
     for place in zip(*np.unravel_index(order, share.shape), strict=True):
@@ -94,7 +94,7 @@ def worst_cells(found: Coverage, most: int = 8) -> list[tuple[int, int]]:
     return worst[:most]
 
 
-def _count(found: Coverage, mask: Bool[np.ndarray, " B"]) -> Int[np.ndarray, "D H"]:
-    counts = np.zeros((len(found.directions), len(found.heights)), dtype=np.int64)
-    np.add.at(counts, (found.direction[mask], found.height[mask]), 1)
+def _count(result: Coverage, mask: Bool[np.ndarray, " B"]) -> Int[np.ndarray, "D H"]:
+    counts = np.zeros((len(result.directions), len(result.heights)), dtype=np.int64)
+    np.add.at(counts, (result.direction[mask], result.height[mask]), 1)
     return counts

@@ -86,20 +86,20 @@ def overlap(
     """
     played = play(slices, edges, scales)
     if form == "paper":
-        slot, there = _during(played, length, pixels, span)
+        slot, inside = _during(played, length, pixels, span)
         number = jnp.take_along_axis(jnp.maximum(played.edges, 0), slot, axis=1)
         pictures = slices.paper
     else:
-        slot, there, number = _at_times(slices, played, length, pixels)
+        slot, inside, number = _at_times(slices, played, length, pixels)
         pictures = slices.binned
     place = jnp.take_along_axis(played.places, slot[..., None], axis=1)
     if form == "paper":
         # One edge after the other: reading all at once and then joining them is not vectorised.
         at = [slice(k, k + 1) for k in range(span)]
-        each = [_read(pictures, number[:, k], there[:, k], place[:, k], pixels) for k in at]
+        each = [_read(pictures, number[:, k], inside[:, k], place[:, k], pixels) for k in at]
         body = reduce(operator.or_, each)
     else:
-        body = _read(pictures, number, there, place, pixels)
+        body = _read(pictures, number, inside, place, pixels)
     both = lax.population_count(body & pixels.layers[None])
     return jnp.sum(both.astype(jnp.int32), axis=(1, 2))
 
@@ -108,17 +108,17 @@ def play(slices: Slices, edges: Int[Array, "C L"], scales: Float[Array, "C L"]) 
     """Begins, ends and frames of the edges of walks, from their own beginning."""
     inside = jnp.maximum(edges, 0)
     padding = edges == NO_EDGE
-    lasts = jnp.where(padding, 0.0, slices.seconds[inside] * scales)
+    durations = jnp.where(padding, 0.0, slices.seconds[inside] * scales)
     steps = jnp.where(padding[..., None], 0.0, slices.step[inside])
     # Sums of all before: as a product they are ten times faster than as a running sum.
-    before = jnp.triu(jnp.ones((edges.shape[1],) * 2, dtype=lasts.dtype), k=1)
-    begins = lasts @ before
+    before = jnp.triu(jnp.ones((edges.shape[1],) * 2, dtype=durations.dtype), k=1)
+    begins = durations @ before
     # Turns add up; with them known, so do the ways.
     turn = steps[..., 0] @ before
     c, s = jnp.cos(turn), jnp.sin(turn)
     x = (steps[..., 1] * c + steps[..., 2] * s) @ before
     z = (steps[..., 2] * c - steps[..., 1] * s) @ before
-    return PlayedEdges(edges, scales, begins, begins + lasts, jnp.stack([turn, x, z], axis=-1))
+    return PlayedEdges(edges, scales, begins, begins + durations, jnp.stack([turn, x, z], axis=-1))
 
 
 def _during(
@@ -127,10 +127,10 @@ def _during(
     """The first ``span`` edges that are played at some time of the crop."""
     first = jnp.sum(played.ends <= pixels.start, axis=1)
     slot = first[:, None] + jnp.arange(span)[None, :]
-    there = slot < length[:, None]
+    inside = slot < length[:, None]
     slot = jnp.minimum(slot, played.edges.shape[1] - 1)
     begins = jnp.take_along_axis(played.begins, slot, axis=1)
-    return slot, there & (begins <= pixels.end)
+    return slot, inside & (begins <= pixels.end)
 
 
 def _at_times(
@@ -139,7 +139,7 @@ def _at_times(
     """The edge that is played in the middle of each bin, and the body's bin."""
     when = pixels.times[None, :]
     slot = jnp.sum(when[:, :, None] >= played.ends[:, None, :], axis=2)
-    there = slot < length[:, None]
+    inside = slot < length[:, None]
     slot = jnp.minimum(slot, length[:, None] - 1)
     edge, begin, scale = (
         jnp.take_along_axis(x, slot, axis=1) for x in (played.edges, played.begins, played.scales)
@@ -147,13 +147,13 @@ def _at_times(
     moment = (when - begin) / scale
     edge = jnp.maximum(edge, 0)
     bin_of = jnp.clip((moment / BODY_BIN_S).astype(jnp.int32), 0, slices.bins[edge] - 1)
-    return slot, there, slices.first_bin[edge] + bin_of
+    return slot, inside, slices.first_bin[edge] + bin_of
 
 
 def _read(
     pictures: Pictures,
     number: Int[Array, "C K"],
-    there: Bool[Array, "C K"],
+    inside: Bool[Array, "C K"],
     place: Float[Array, "C K 3"],
     pixels: Pixels,
 ) -> Shaped[Array, "C K Q"]:
@@ -166,7 +166,7 @@ def _read(
     across = x * c - z * s - (px * c - pz * s + corner[..., :1])
     along = x * s + z * c - (px * s + pz * c + corner[..., 1:])
     size = pictures.size[number]
-    width = jnp.where(there, size[..., 0], 0)[..., None]
+    width = jnp.where(inside, size[..., 0], 0)[..., None]
     column, row = jnp.floor(across).astype(jnp.int32), jnp.floor(along).astype(jnp.int32)
     inside = (column >= 0) & (column < width) & (row >= 0) & (row < size[..., 1:])
     at = pictures.first[number][..., None] + row * width + column
@@ -238,7 +238,7 @@ def _most_played(
     """Most edges that one candidate plays during the crop; by rounding perhaps some more."""
     edges = candidates.edges
     played = edges != NO_EDGE
-    lasts = np.asarray(slices.seconds)[edges] * scales[:, : edges.shape[1]] * played
-    ends = np.cumsum(lasts, axis=1)
-    played &= (ends > crop.start - 1e-3) & (ends - lasts < crop.end + 1e-3)
+    durations = np.asarray(slices.seconds)[edges] * scales[:, : edges.shape[1]] * played
+    ends = np.cumsum(durations, axis=1)
+    played &= (ends > crop.start - 1e-3) & (ends - durations < crop.end + 1e-3)
     return int(played.sum(axis=1).max(initial=1))

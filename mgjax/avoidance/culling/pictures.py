@@ -86,9 +86,9 @@ def build_slices(tables: EdgeTables) -> Slices:
     low, high = _bounds(tables, edge, moments)
     binned = _empty(low, high - low)
     for start in range(0, len(edge), CHUNK):
-        some = slice(start, start + CHUNK)
-        for when in moments[:, some]:
-            _draw(binned, some, _body(tables, edge[some], when), tables.spheres.radii)
+        tile = slice(start, start + CHUNK)
+        for when in moments[:, tile]:
+            _draw(binned, tile, _body(tables, edge[tile], when), tables.spheres.radii)
     paper = _empty(
         np.minimum.reduceat(low, first),
         np.maximum.reduceat(high, first) - np.minimum.reduceat(low, first),
@@ -145,12 +145,12 @@ def _empty(corner: Int[np.ndarray, "N 2"], size: Int[np.ndarray, "N 2"]) -> Pict
 
 def _draw(
     pictures: Pictures,
-    some: slice,
+    tile: slice,
     centres: Float[np.ndarray, "N 3 S"],
     radii: Float[np.ndarray, " S"],
 ) -> None:
     """Draws a body into each of some pictures."""
-    first, corner, size = (x[some] for x in (pictures.first, pictures.corner, pictures.size))
+    first, corner, size = (x[tile] for x in (pictures.first, pictures.corner, pictures.size))
     for sphere, radius in enumerate(radii.tolist()):
         same = np.full(len(centres), radius)
         columns, rows, words = stamp(centres[:, :, sphere], same, stamp_width(radius))
@@ -166,10 +166,10 @@ def _join(into: Pictures, parts: Pictures, number: Int[np.ndarray, " N"]) -> Non
     place = np.flatnonzero(parts.words)
     part = np.searchsorted(parts.first, place, side="right") - 1
     row, column = np.divmod(place - parts.first[part], parts.size[part, 0])
-    whole = number[part]
-    row += parts.corner[part, 1] - into.corner[whole, 1]
-    column += parts.corner[part, 0] - into.corner[whole, 0]
-    at = into.first[whole] + row * into.size[whole, 0] + column
+    target = number[part]
+    row += parts.corner[part, 1] - into.corner[target, 1]
+    column += parts.corner[part, 0] - into.corner[target, 0]
+    at = into.first[target] + row * into.size[target, 0] + column
     np.bitwise_or.at(np.asarray(into.words), at, parts.words[place])
 
 

@@ -96,15 +96,15 @@ def over_attack(
     """(e'/Δt, d, d0) over all attack spheres, one after the other."""
 
     def step(totals: Totals, sphere: tuple[Array, Array, Array]) -> tuple[Totals, None]:
-        centre, radius, there = sphere
-        found = over_sphere(form, swept, paths, centre[..., None], radius[None], there[:, None])
-        return join(totals, found), None
+        centre, radius, lives = sphere
+        added = over_sphere(form, swept, paths, centre[..., None], radius[None], lives[:, None])
+        return join(totals, added), None
 
-    apart, there = jnp.moveaxis(centres, 2, 0), present.T
+    each, lives = jnp.moveaxis(centres, 2, 0), present.T
     none = no_totals(paths.active.shape[1])
     if centres.shape[2] == 1:
-        return step(none, (apart[0], radii[0], there[0]))[0]
-    return lax.scan(step, none, (apart, radii, there))[0]
+        return step(none, (each[0], radii[0], lives[0]))[0]
+    return lax.scan(step, none, (each, radii, lives))[0]
 
 
 def over_sphere(

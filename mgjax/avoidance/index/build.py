@@ -119,7 +119,7 @@ def index_of_tables(
 
 
 def _smallest(values: Integer[np.ndarray, " P"]) -> np.ndarray:
-    """The same numbers, ≥ 0, in as few bytes as hold them."""
+    """Numbers ≥ 0 in as few bytes as hold them."""
     return values.astype(np.min_scalar_type(int(values.max(initial=0))))
 
 

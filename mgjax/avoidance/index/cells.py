@@ -81,7 +81,7 @@ def _mark_capsules(
     start, stop = _short_pieces(line)
     first = np.floor((np.minimum(start, stop) - radius) / CELL_M).astype(np.int64)
     last = np.floor((np.maximum(start, stop) + radius) / CELL_M).astype(np.int64)
-    way = stop - start
+    displacement = stop - start
     key = np.zeros((len(start), 1, 1, 1), np.int64)
     squared = along = np.zeros(key.shape)
     for axis, count in enumerate((last - first).max(axis=0) + 1):
@@ -90,10 +90,10 @@ def _mark_capsules(
         cell = first[:, axis, None] + np.arange(count)
         middle = (cell + 0.5) * CELL_M - start[:, axis, None]
         squared = squared + (middle * middle).reshape(shape)
-        along = along + (middle * way[:, axis, None]).reshape(shape)
+        along = along + (middle * displacement[:, axis, None]).reshape(shape)
         key = key * marks.shape[axis]
         key = key + _limited(cell - low[axis], 0, marks.shape[axis] - 1).reshape(shape)
-    length = np.maximum((way * way).sum(axis=1), 1e-18)[:, None, None, None]
+    length = np.maximum((displacement * displacement).sum(axis=1), 1e-18)[:, None, None, None]
     share = _limited(along / length, 0.0, 1.0)
     squared = squared + share * (share * length - 2 * along)  # from the middle to the segment
     # A ball of half a cell is inside the cell, and one of half of its diagonal around it.
@@ -102,14 +102,17 @@ def _mark_capsules(
     open_ = (squared <= (radius + 0.8661 * CELL_M) ** 2) & ~flat[key]
     piece, key = np.nonzero(open_)[0], key[open_]
     corner = np.stack(np.unravel_index(key, marks.shape), axis=1) + low
-    flat[key[box_gap(start[piece], way[piece], corner * CELL_M) <= radius]] = True
+    flat[key[box_gap(start[piece], displacement[piece], corner * CELL_M) <= radius]] = True
 
 
 def _short_pieces(line: Float[np.ndarray, "K 3"]) -> tuple[np.ndarray, np.ndarray]:
     """Starts and ends of the pieces of a polyline: one if it is straight, then cut short."""
-    way = line[-1] - line[0]
-    along = (line - line[0]) @ way / max(float(way @ way), 1e-18)
-    if np.abs(line - line[0] - along[:, None] * way).max() < 1e-9 and (np.diff(along) >= 0).all():
+    displacement = line[-1] - line[0]
+    along = (line - line[0]) @ displacement / max(float(displacement @ displacement), 1e-18)
+    if (
+        np.abs(line - line[0] - along[:, None] * displacement).max() < 1e-9
+        and (np.diff(along) >= 0).all()
+    ):
         line = line[[0, -1]]
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
     count = np.maximum(np.ceil(lengths / _PIECE_M).astype(np.int64), 1)
@@ -126,24 +129,26 @@ def _limited(values: np.ndarray, low: float, high: float) -> np.ndarray:
 
 
 def box_gap(
-    start: Float[np.ndarray, "B 3"], way: Float[np.ndarray, "B 3"], corner: Float[np.ndarray, "B 3"]
+    start: Float[np.ndarray, "B 3"],
+    displacement: Float[np.ndarray, "B 3"],
+    corner: Float[np.ndarray, "B 3"],
 ) -> Float[np.ndarray, " B"]:
-    """Least distance of segments start … start + way to cells, in closed form.
+    """Least distance of segments start … start + displacement to cells, in closed form.
 
     The squared distance is convex and quadratic between the places where the segment meets the
     planes of the cell's faces, so its derivative is linear there.
     """
-    safe = np.where(way == 0, 1.0, way)
+    safe = np.where(displacement == 0, 1.0, displacement)
     gap = corner - start
-    planes = [np.where(way == 0, 0.0, (gap + f) / safe) for f in (0.0, CELL_M)]
+    planes = [np.where(displacement == 0, 0.0, (gap + f) / safe) for f in (0.0, CELL_M)]
     ends = np.broadcast_to([0.0, 1.0], (len(start), 2))
     at = np.sort(_limited(np.concatenate([*planes, ends], axis=1), 0.0, 1.0), axis=1)
 
     def excess(share: np.ndarray) -> np.ndarray:
-        x = start[:, None] + share[..., None] * way[:, None] - corner[:, None]
+        x = start[:, None] + share[..., None] * displacement[:, None] - corner[:, None]
         return np.maximum(x - CELL_M, 0) + np.minimum(x, 0)
 
-    slope = (excess(at) * way[:, None]).sum(axis=-1)
+    slope = (excess(at) * displacement[:, None]).sum(axis=-1)
     right = np.clip((slope < 0).sum(axis=1), 1, at.shape[1] - 1)
     row = np.arange(len(start))
     a, b, fa, fb = at[row, right - 1], at[row, right], slope[row, right - 1], slope[row, right]

@@ -83,5 +83,5 @@ def _is_sound(arrays: dict[str, np.ndarray], graph: MotionGraph) -> bool:
         (arrays["column_first"] + arrays["column_count"].astype(np.int64), columns + 1),
     )
     ordered = first[0] == 0 and first[-1] == paths and (np.diff(first) >= 0).all()
-    whole = all(not a.size or int(a.max()) < limit for a, limit in below)
-    return bool(ordered and whole and (arrays["width"] > 0).all())
+    in_range = all(not a.size or int(a.max()) < limit for a, limit in below)
+    return bool(ordered and in_range and (arrays["width"] > 0).all())

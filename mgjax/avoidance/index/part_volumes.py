@@ -136,13 +136,13 @@ def largest_gap(
 ) -> Float[np.ndarray, " P"]:
     """Signed distance of points to the body, the largest over the first moments, m."""
     count = points.shape[1]
-    found = np.empty(count, np.float32)
+    gaps = np.empty(count, np.float32)
     for first in range(0, count, _TILE):
-        some = slice(first, min(first + _TILE, count))
-        tile = bucket_size(some.stop - first, _TILE // 8)
-        gap = _gap(pad_axis(points[:, some], tile, axis=1), centres, radii, np.int32(moments))
-        found[some] = np.asarray(gap)[: some.stop - first]
-    return found
+        chunk = slice(first, min(first + _TILE, count))
+        size = bucket_size(chunk.stop - first, _TILE // 8)
+        gap = _gap(pad_axis(points[:, chunk], size, axis=1), centres, radii, np.int32(moments))
+        gaps[chunk] = np.asarray(gap)[: chunk.stop - first]
+    return gaps
 
 
 def _depth(
@@ -254,14 +254,14 @@ def touched_by(
         shift = np.array([volumes.corner[one, 0], 0, volumes.corner[one, 1]])[:, None]
         centres = (volumes.centres[one] - shift).astype(np.float32)
         for at in range(begin, end, _CELLS):
-            some = slice(at, min(at + _CELLS, end))
-            count = some.stop - at
-            padded = pad_axis(place[some], _CELLS), pad_axis(corner[:, some], _CELLS, axis=1)
+            tile = slice(at, min(at + _CELLS, end))
+            count = tile.stop - at
+            padded = pad_axis(place[tile], _CELLS), pad_axis(corner[:, tile], _CELLS, axis=1)
             inside, outside, points = (
                 np.array(x) for x in _sub_points(*padded, centres[:_EARLY], volumes.radii)
             )
-            touched[some] = (inside & outside).any(axis=0)[:count]
-            sub, late = np.nonzero(inside[:, :count] & ~touched[some])
+            touched[tile] = (inside & outside).any(axis=0)[:count]
+            sub, late = np.nonzero(inside[:, :count] & ~touched[tile])
             gap = largest_gap(
                 points[:, sub, late], centres, int(volumes.moments[one]), volumes.radii
             )
@@ -282,11 +282,11 @@ def _sub_points(
     quarter = [0.25 + 0.5 * ((sub >> i) & 1).astype(jnp.float32) for i in range(3)]
     x, y, z = (CELL_M * (corner[None, i].astype(jnp.float32) + quarter[i]) for i in range(3))
     point = (x0 + x * c - z * s, y, z0 + x * s + z * c)
-    found: list[Array] = []
+    gaps: list[Array] = []
     for body in centres:
         inside = jnp.zeros(point[0].shape, bool)
         for j in range(radii.shape[0]):
             dx, dy, dz = (point[i] - body[i, j] for i in range(3))
             inside |= dx * dx + dy * dy + dz * dz < radii[j] * radii[j]
-        found.append(inside)
-    return found[0], ~jnp.stack(found[1:]).all(axis=0), jnp.stack(point)
+        gaps.append(inside)
+    return gaps[0], ~jnp.stack(gaps[1:]).all(axis=0), jnp.stack(point)

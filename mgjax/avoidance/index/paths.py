@@ -48,32 +48,32 @@ def grid_paths(graph: MotionGraph, tables: EdgeTables, horizon: float, capacity:
         capacity: most paths of a node.
     """
     latest = int(np.floor(horizon * 2 * graph.frame_rate + 1e-6))
-    lasts = 2 * graph.edge_frames
+    durations = 2 * graph.edge_frames
     middle = graph.label_starts + graph.label_stops - 2 * graph.edge_starts[tables.part_edge]
-    limit = _limits(graph, tables, lasts, middle, latest, capacity)
+    limit = _limits(graph, tables, durations, middle, latest, capacity)
     node, edge = np.repeat(np.arange(graph.num_nodes), np.diff(graph.out_first)), graph.out_edges
     row, part = expand_rows(tables.part_first, edge)
     part = tables.part_ids[part]
     keep = middle[part] <= limit[node[row]]
     row, part = row[keep], part[keep]
-    found = {"node": node[row], "edge": edge[row], "part": part, "time": middle[part]}
-    found |= {"follow": np.full(len(row), -1), "place": np.zeros((len(row), 3))}
+    generation = {"node": node[row], "edge": edge[row], "part": part, "time": middle[part]}
+    generation |= {"follow": np.full(len(row), -1), "place": np.zeros((len(row), 3))}
     rounds: list[dict[str, np.ndarray]] = []
     base = 0
-    while len(found["node"]):
-        rounds.append(found | {"length": np.full(len(found["node"]), len(rounds) + 1)})
-        counts = np.bincount(found["node"], minlength=graph.num_nodes)
+    while len(generation["node"]):
+        rounds.append(generation | {"length": np.full(len(generation["node"]), len(rounds) + 1)})
+        counts = np.bincount(generation["node"], minlength=graph.num_nodes)
         row, item = expand_rows(np.concatenate([[0], np.cumsum(counts)]), graph.edge_target[edge])
-        at = lasts[edge[row]] + found["time"][item]
+        at = durations[edge[row]] + generation["time"][item]
         keep = at <= limit[node[row]]
         row, item = row[keep], item[keep]
-        found = {
+        generation = {
             "node": node[row],
             "edge": edge[row],
-            "part": found["part"][item],
+            "part": generation["part"][item],
             "time": at[keep],
             "follow": item + base,
-            "place": np.asarray(planar.compose(tables.step[edge[row]], found["place"][item])),
+            "place": np.asarray(planar.compose(tables.step[edge[row]], generation["place"][item])),
         }
         base += len(rounds[-1]["node"])
     return _by_node(rounds, limit)
@@ -82,7 +82,7 @@ def grid_paths(graph: MotionGraph, tables: EdgeTables, horizon: float, capacity:
 def _limits(
     graph: MotionGraph,
     tables: EdgeTables,
-    lasts: Int[np.ndarray, " E"],
+    durations: Int[np.ndarray, " E"],
     middle: Int[np.ndarray, " A"],
     latest: int,
     capacity: int,
@@ -95,14 +95,14 @@ def _limits(
     begin = middle <= latest
     np.add.at(counts, (middle[begin], graph.edge_source[tables.part_edge[begin]]), 1.0)
     for t in range(latest + 1):
-        edge = np.flatnonzero(lasts <= t)
-        ahead = counts[t - lasts[edge], graph.edge_target[edge]]
+        edge = np.flatnonzero(durations <= t)
+        ahead = counts[t - durations[edge], graph.edge_target[edge]]
         source = graph.edge_source[edge]
         counts[t] += np.bincount(source, weights=ahead, minlength=graph.num_nodes)
     limit = (np.cumsum(counts, axis=0) <= capacity).sum(axis=0) - 1
     while True:
         closed = limit.copy()
-        np.minimum.at(closed, graph.edge_source, limit[graph.edge_target] + lasts)
+        np.minimum.at(closed, graph.edge_source, limit[graph.edge_target] + durations)
         if (closed == limit).all():
             return limit
         limit = closed

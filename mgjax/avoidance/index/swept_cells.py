@@ -96,7 +96,7 @@ class SweptCells:
     near: list[_Near]
 
     def perhaps(self) -> UInt32[np.ndarray, " S"]:
-        """The same for cells that are touched or of which :meth:`touches` has to say it."""
+        """Which cells are touched, or may be: of the latter :meth:`touches` has to say it."""
         bits = np.zeros(len(self.sure), np.uint32)
         for near in self.near:
             _mark(bits, self.first, near, near.perhaps)
@@ -118,8 +118,8 @@ class SweptCells:
         """Distances from cells to the nearest capsule around a chord."""
         chords = self.chords
         chord, cell = np.divmod(np.arange(len(self.near) * len(cells)), len(cells))
-        way = chords.stop - chords.start
-        gap = box_gap(chords.start[chord], way[chord], cells[cell] * CELL_M)
+        displacement = chords.stop - chords.start
+        gap = box_gap(chords.start[chord], displacement[chord], cells[cell] * CELL_M)
         return (gap - chords.radii[chord]).reshape(-1, len(cells)).min(axis=0)
 
 
@@ -149,12 +149,12 @@ def swept_cells(attack: Attack, crop: Crop) -> SweptCells | None:
             return None
     spheres = zip(starts, stops, radii, strict=True)
     near = [_near(start, stop, radius, chords.off) for start, stop, radius in spheres]
-    low = min(some.low[0] for some in near) - 1
-    high = max(some.low[0] + some.squared.shape[1] for some in near)
+    low = min(sphere.low[0] for sphere in near) - 1
+    high = max(sphere.low[0] + sphere.squared.shape[1] for sphere in near)
     first = (low + SPAN // 2) * SPAN
     sure = np.zeros((high - low + 1) * SPAN, np.uint32)
-    for some in near:
-        _mark(sure, first, some, some.sure)
+    for sphere in near:
+        _mark(sure, first, sphere, sphere.sure)
     return SweptCells(first=first, sure=sure, attack=attack, crop=crop, chords=chords, near=near)
 
 
@@ -175,14 +175,14 @@ def _straight(attack: Attack, crop: Crop) -> _Chords | None:
     stop = int(attack.times.searchsorted(crop.end)) + 1
     times, lines = attack.times[first:stop], attack.centres[first:stop]
     begin, span = float(times[0]), max(float(times[-1] - times[0]), 1e-12)
-    way = lines[-1] - lines[0]
-    off = lines - lines[0] - ((times - begin) / span)[:, None, None] * way
+    displacement = lines[-1] - lines[0]
+    off = lines - lines[0] - ((times - begin) / span)[:, None, None] * displacement
     if np.vdot(off, off) > (0.5 * _SLACK_M) ** 2:
         return None
     shares = [min(max((t - begin) / span, 0.0), 1.0) for t in (crop.start, crop.end)]
-    if np.vdot(way, way) * (shares[1] - shares[0]) ** 2 > _LONGEST_M**2:
+    if np.vdot(displacement, displacement) * (shares[1] - shares[0]) ** 2 > _LONGEST_M**2:
         return None
-    ends = lines[0] + np.array(shares)[:, None, None] * way
+    ends = lines[0] + np.array(shares)[:, None, None] * displacement
     return _Chords(start=ends[0], stop=ends[1], radii=attack.radii, off=0.0)
 
 
@@ -194,9 +194,9 @@ def _curved(attack: Attack, crop: Crop) -> _Chords:
     times, lines, radii = swept_lines(attack, crop)
     share = (times - times[0]) / max(float(times[-1] - times[0]), 1e-12)
     columns = lines.reshape(len(times), -1)
-    way = columns[-1] - columns[0]
-    off = _largest(columns - columns[0] - share[:, None] * way)
-    count = max(math.sqrt(off / _CHORD_M), _largest(way[None]) / _LONGEST_M, 1.0)
+    displacement = columns[-1] - columns[0]
+    off = _largest(columns - columns[0] - share[:, None] * displacement)
+    count = max(math.sqrt(off / _CHORD_M), _largest(displacement[None]) / _LONGEST_M, 1.0)
     count = min(math.ceil(count), _MOST_CHORDS)
     even = np.arange(count + 1) / count
     corners = np.stack([np.interp(even, share, column) for column in columns.T], axis=1)
@@ -248,8 +248,8 @@ def _mark(bits: UInt32[np.ndarray, " S"], first: int, near: _Near, limit: float)
         return
     height, *sides = near.squared.shape
     y = near.low[1] - LOWEST
-    found = _BITS[y : y + height] @ (near.squared < limit * limit).reshape(height, -1)
+    within = _BITS[y : y + height] @ (near.squared < limit * limit).reshape(height, -1)
     row = near.low[0] + SPAN // 2 - first // SPAN
     column = near.low[2] + SPAN // 2
     box = bits.reshape(-1, SPAN)[row : row + sides[0], column : column + sides[1]]
-    box |= found.astype(np.uint32).reshape(box.shape)
+    box |= within.astype(np.uint32).reshape(box.shape)

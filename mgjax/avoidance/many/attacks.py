@@ -209,9 +209,9 @@ def _look_closer(
     """Decides on one attack alone, with the exact check where bounds leave a doubt."""
     query = asked.query
     walks = pad_candidates(query.candidates, long=is_long(query.candidates, query.attack))
-    given = SearchInput(walks=walks, attack_batch=asked.attack_batch)
+    padded = SearchInput(walks=walks, attack_batch=asked.attack_batch)
     result = replace(result, scales=result.scales[: len(walks.edges)])  # padded for the group
-    choice = decide(prepared, query, given, result, config).choice
+    choice = decide(prepared, query, padded, result, config).choice
     assert choice is not None
     assert choice.energy is not None
     values = {

@@ -28,7 +28,7 @@ class ScoredAttack:
     Attributes:
         prepared: of the graph.
         query: the attack and its candidates.
-        given: both as compiled code reads them.
+        padded: both as compiled code reads them.
         config: its energies do not matter.
         judged: without a limit on the time scale.
         certainty: see :class:`~mgjax.avoidance.many.reweight.Certainty`. [C]
@@ -39,7 +39,7 @@ class ScoredAttack:
 
     prepared: Prepared
     query: Query
-    given: SearchInput
+    padded: SearchInput
     config: AvoidanceConfig
     judged: Judged
     certainty: Int[np.ndarray, " C"]
@@ -72,8 +72,8 @@ class ScoredAttack:
     def bound(self, numbers: Int[np.ndarray, " K"]) -> None:
         """Finds bounds on the clearance of some candidates, and what they make certain."""
         scales = np.asarray(self.judged.timing.scales)
-        for subset, bounds in bounds_of(self.prepared, numbers, self.given, scales):
-            for candidate in bounded(subset, bounds, self.given):
+        for subset, bounds in bounds_of(self.prepared, numbers, self.padded, scales):
+            for candidate in bounded(subset, bounds, self.padded):
                 number = candidate.number
                 if candidate.lower_bound >= CLEAR_M:
                     self.certainty[number] = Certainty.CLEAR
@@ -101,20 +101,20 @@ def score_attack(
         form: of the energies.
         E_time: the largest of the settings that will be asked about.
     """
-    given = search_input(query, config, prepared.posed.reach)
+    padded = search_input(query, config, prepared.posed.reach)
     judged = _judge(
         prepared.device,
-        given.walks,
-        given.attack_batch,
+        padded.walks,
+        padded.attack_batch,
         EnergyConfig(form=form),
         half_frame=0.5 / prepared.graph.frame_rate,
         limit_scale=False,
     )
-    count = len(given.walks.length)
+    count = len(padded.walks.length)
     scored = ScoredAttack(
         prepared=prepared,
         query=query,
-        given=given,
+        padded=padded,
         config=config,
         judged=judged,
         certainty=np.full(count, Certainty.UNKNOWN, np.int32),

@@ -72,8 +72,10 @@ class TimeWarp:
     def _piece(self, knots: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The last knot before each value, and the change of speed per second after it."""
         i = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 1)
-        lasts = np.diff(self.times)
-        rates = np.divide(np.diff(self.speeds), lasts, out=np.zeros(len(lasts)), where=lasts > 0)
+        durations = np.diff(self.times)
+        rates = np.divide(
+            np.diff(self.speeds), durations, out=np.zeros(len(durations)), where=durations > 0
+        )
         rates = np.append(rates, 0.0)
         return i, np.where(at < knots[0], 0.0, rates[i])
 
@@ -119,7 +121,7 @@ def linear_warp(graph: MotionGraph, walk: Walk) -> TimeWarp:
 
 
 def smooth_warp(warp: TimeWarp, t_avoid: float, near: tuple[float, float]) -> TimeWarp:
-    """The same pose at ``t_avoid``, with a continuous speed that changes as slowly as it can.
+    """A warp that shows the same pose at ``t_avoid``, its speed changing as slowly as it can.
 
     It begins at 1 now and meets ``warp``, position and speed, where the attack comes near; so while
     it is near the same poses are shown at the same times, and what was clear stays clear. It meets
@@ -161,9 +163,9 @@ def smooth_warp(warp: TimeWarp, t_avoid: float, near: tuple[float, float]) -> Ti
         meets = t_avoid
         rate, profile = _slowest_change(runs, meets)
     speed = profile[-1][2]
-    for lasts, then in ((max(near[1], t_avoid) - meets, speed), (abs(speed - 1) / rate, 1.0)):
+    for durations, then in ((max(near[1], t_avoid) - meets, speed), (abs(speed - 1) / rate, 1.0)):
         time, position, before = profile[-1]
-        profile.append((time + lasts, position + 0.5 * lasts * (before + then), then))
+        profile.append((time + durations, position + 0.5 * durations * (before + then), then))
     times, positions, speeds = np.array(profile).T
     return TimeWarp(times=times, positions=positions, speeds=speeds)
 
@@ -172,11 +174,11 @@ def _runs(warp: TimeWarp, until: float) -> list[_Run]:
     """The stretches of one speed up to a time."""
     ends = np.minimum(warp.times, until)
     pieces = zip(np.diff(ends).tolist(), warp.speeds[:-1].tolist(), strict=True)
-    longer = [(lasts, speed) for lasts, speed in pieces if lasts > 0]
+    longer = [(durations, speed) for durations, speed in pieces if durations > 0]
     if until > warp.times[-1]:
         longer.append((until - float(warp.times[-1]), 1.0))
     grouped = groupby(longer, key=lambda piece: piece[1])
-    return [(sum(lasts for lasts, _ in group) * speed, speed) for speed, group in grouped]
+    return [(sum(durations for durations, _ in group) * speed, speed) for speed, group in grouped]
 
 
 def _slowest_change(runs: list[_Run], seconds: float) -> tuple[float, list[_Knot]]:

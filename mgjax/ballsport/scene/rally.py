@@ -6,10 +6,17 @@ import numpy as np
 
 from mgjax.ballsport.clipset.repertoire import Repertoire
 from mgjax.ballsport.scene.config import SceneConfig
-from mgjax.ballsport.scene.hit_options import unasked_hits, user_hit, user_may_decide
 from mgjax.ballsport.scene.kick import Kick, choose_kick
 from mgjax.ballsport.scene.launching import Launcher
-from mgjax.ballsport.scene.planning import Plan, Request, heading_of, plan_touch
+from mgjax.ballsport.scene.planning import (
+    Plan,
+    Request,
+    heading_of,
+    plan_touch,
+    unasked_hits,
+    user_hit,
+    user_may_decide,
+)
 from mgjax.ballsport.scene.player import Actor, new_actor
 from mgjax.ballsport.scene.types import THROWN_IN, BallFlight, BallStart, Choose, Touch
 
