@@ -150,12 +150,12 @@ def choose_threshold(candidates: Candidates, keep: float, max_threshold: float) 
         if high - low == 1:
             return high if enough(value(high)) else None
         middle = (low + high) // 2
-        best = first_enough(low, middle)
-        return first_enough(middle, high) if best is None else best
+        place = first_enough(low, middle)
+        return first_enough(middle, high) if place is None else place
 
-    best = first_enough(-1, last) if last >= 0 else None
-    if best is not None:
-        return float(thresholds[best])
+    place = first_enough(-1, last) if last >= 0 else None
+    if place is not None:
+        return float(thresholds[place])
     tried = np.unique(np.linspace(0, last, min(last + 1, SAMPLES)).round().astype(int))
     best = max(tried.tolist(), key=value, default=None)
     reached = "none" if best is None else f"{value(best)}"

@@ -16,7 +16,7 @@ from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.core.errors import ConfigError
 from mgjax.graph.types import MotionGraph
-from tests.avoidance.made import make_graph, random_graph, throw
+from tests.avoidance.made import make_graph, throw
 
 CONFIG = AvoidanceConfig()
 
@@ -50,11 +50,15 @@ def test_the_settings_it_was_made_for(made_graph: MotionGraph) -> None:
     ):
         with pytest.raises(ConfigError, match=text):
             choose(prepared, 0, attack, config=other)
-    assert prepare(made_graph, replace(CONFIG, culling="binned")).slices is not None
+    assert prepare(small(), replace(CONFIG, culling="binned")).slices is not None
+
+
+def small() -> MotionGraph:
+    return make_graph([(0, 1, 30), (1, 0, 20)], [(0, 6, 12)], sway=0.01)
 
 
 def test_its_memory_goes_with_the_graph() -> None:
-    graph = random_graph(5)
+    graph = small()
     prepared = prepared_for(graph, replace(CONFIG, culling="paper"))
     assert prepared.slices is not None
     arrays = [prepared.tables.pool, prepared.device.pool, prepared.posed.poses.rotations]
@@ -74,7 +78,7 @@ def test_six_graphs_in_turn_are_prepared_once(monkeypatch: pytest.MonkeyPatch) -
         return real(graph, config)
 
     monkeypatch.setattr(module, "_make", count)
-    graphs = [make_graph([(0, 1, 30), (1, 0, 20)], [(0, 6, 12)], sway=0.01) for _ in range(6)]
+    graphs = [small() for _ in range(6)]
     for _ in range(3):
         for graph in graphs:
             prepared_for(graph, CONFIG)

@@ -200,11 +200,16 @@ def run_at_smoke_size(tmp_path_factory) -> Callable[[str], dict[str, Any]]:
 
 
 SLOW = (
+    "experiments.avoidance.calibrate",
+    "experiments.avoidance.sweep",
+    "experiments.avoidance.table1",
+    "experiments.ballsport.aim",
     "experiments.benchmarks.fabrik",
     "experiments.benchmarks.random_attacks",
     "experiments.hybrid.reach",
 )
-"""Each compiles programs that no test shares, for about a minute; what they call is tested."""
+"""Each takes half a minute and more, to compile programs that no test shares; what they call is
+tested."""
 
 
 @pytest.mark.parametrize(

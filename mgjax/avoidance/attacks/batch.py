@@ -45,7 +45,7 @@ class AttackColumn(IntEnum):
     """When what counts of the attack begins, s."""
     END = 6
     FIRST_FRAME = 7
-    """The frames of the written motion at which an attack counts."""
+    """The first frame of the written motion that counts; the next one tells how many do."""
     FRAME_COUNT = 8
     MARGIN = 9
     """How near to the body's reach a sphere has to come to be looked at, m."""

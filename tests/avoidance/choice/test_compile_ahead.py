@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import jax
 import numpy as np
+import pytest
 
 from mgjax.avoidance.attacks.merge import merge_attacks
 from mgjax.avoidance.choice.choosing import choose
@@ -13,6 +14,7 @@ from mgjax.graph.types import MotionGraph
 from tests.avoidance.made import throw
 
 
+@pytest.mark.long
 def test_nothing_is_compiled_after_warming_up(made_graph: MotionGraph) -> None:
     config = AvoidanceConfig()
     programs = warm_up(made_graph, config=config, horizon=3.0, spheres=2)

@@ -10,6 +10,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import mgjax
 
 SOURCE = Path(mgjax.__file__).parent
@@ -71,6 +73,7 @@ print(json.dumps(rows))
 """
 
 
+@pytest.mark.long
 def test_a_made_up_weight_touches_three_files_at_most(tmp_path: Path) -> None:
     copy = tmp_path / "mgjax"
     shutil.copytree(SOURCE, copy, ignore=shutil.ignore_patterns("__pycache__"))
