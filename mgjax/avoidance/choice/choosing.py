@@ -13,7 +13,7 @@ from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice.continuation import random_walk
 from mgjax.avoidance.choice.decision import Decision, better_of, decide
 from mgjax.avoidance.choice.results import Choice, Dropped, Status
-from mgjax.avoidance.choice.search import Query, on_device, search_input, search_one
+from mgjax.avoidance.choice.search import Query, in_32_bits, search_input, search_one
 from mgjax.avoidance.choice.start import validate_start
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.culling.cull import without_culled
@@ -110,7 +110,7 @@ def best_of(prepared: Prepared, query: Query, config: AvoidanceConfig) -> Decisi
         prepared.device,
         padded.walks,
         padded.attack_batch,
-        on_device(config.energy),
+        in_32_bits(config.energy),
         frame_rate=prepared.graph.frame_rate,
         limit_scale=config.limit_scale,
     )

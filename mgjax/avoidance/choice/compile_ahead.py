@@ -16,7 +16,7 @@ from mgjax.avoidance.candidates.batch import (
 )
 from mgjax.avoidance.checks.bounds import MORE_LANES
 from mgjax.avoidance.checks.fast import CHECK_FRAMES, Poses, nearest_of
-from mgjax.avoidance.choice.search import bound, on_device, search_one
+from mgjax.avoidance.choice.search import bound, in_32_bits, search_one
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
@@ -48,7 +48,7 @@ def warm_up(
     validate_config(config)
     prepared = prepared_for(graph, config)
     device, rate = prepared.device, prepared.graph.frame_rate
-    energy = on_device(config.energy)
+    energy = in_32_bits(config.energy)
     slots = _sizes(SPHERE_BUCKET, 8, spheres)
     frames = math.ceil(horizon * EXPORT_RATE) + 1
     programs = 0

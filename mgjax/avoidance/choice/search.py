@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
@@ -144,18 +144,13 @@ search_many = jax.jit(search_several, static_argnames=_STATIC)
 bound = jax.jit(clearance_bounds, static_argnames="frame_rate")
 
 
-def on_device(config: EnergyConfig) -> EnergyConfig:
-    """Settings with jax arrays for numbers, since handing numbers over takes time in every call."""
-    if any(isinstance(getattr(config, field.name), jax.Array) for field in fields(config)):
-        return config
-    return _kept(config)
-
-
-@lru_cache(maxsize=64)
-def _kept(config: EnergyConfig) -> EnergyConfig:
+def in_32_bits(config: EnergyConfig) -> EnergyConfig:
+    """Settings whose numbers are of 32 bits, as compiled code reads them; tracers stay."""
     names = [field.name for field in fields(config) if field.name not in ("form", "d0")]
-    numbers = {name: jnp.asarray(getattr(config, name), dtype=jnp.float32) for name in names}
-    return replace(config, **numbers)
+    numbers = {name: getattr(config, name) for name in names}
+    if any(isinstance(number, jax.Array) for number in numbers.values()):
+        return config
+    return replace(config, **{name: np.float32(number) for name, number in numbers.items()})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -90,7 +90,6 @@ def test_scales_with_the_body() -> None:
     height = np.ptp(rest_positions(skeleton)[:, 1])
     head = a.radii[a.names.index("head-head_end 0.50")]
     np.testing.assert_allclose(head, 0.115 * height / PRESET_HEIGHT_M, rtol=1e-5)
-    assert preset_spheres(skeleton) is a  # looked up once
 
 
 def test_missing_roles_are_named(body: Skeleton) -> None:
