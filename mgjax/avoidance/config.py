@@ -8,6 +8,7 @@ from typing import Literal
 from weakref import WeakValueDictionary
 
 from mgjax.core.errors import ConfigError
+from mgjax.core.ranges import Ranges, check_ranges
 from mgjax.core.traced import Number
 
 BALL_RADIUS_M = 0.12
@@ -113,7 +114,7 @@ class AvoidanceConfig:
     culling: Literal["none", "paper", "binned"] = "none"
 
 
-_RANGES: dict[str, tuple[float, float]] = {
+_RANGES: Ranges = {
     "T_window": (1e-3, 10.0),
     "crop_radius_m": (1e-3, 100.0),
     "crop_height_m": (1e-3, 100.0),
@@ -143,23 +144,14 @@ def validate_config(config: AvoidanceConfig) -> None:
     """Raises :class:`ConfigError` naming the first setting that is out of range."""
     if _IN_RANGE.get(id(config)) is config:
         return
-    for key, (low, high) in _RANGES.items():
-        part, _, name = key.rpartition(".")
-        value = getattr(getattr(config, part) if part else config, name)
-        try:
-            ok = not isinstance(value, bool | str) and low <= float(value) <= high
-        except (TypeError, ValueError):
-            ok = False
-        if not ok:
-            top = f" … {high:g}" if high < math.inf else " or more"
-            raise ConfigError(f"got {key} = {value!r}, expected {low:g}{top}")
+    check_ranges(config, _RANGES, endless=("speed.V_fast", "speed.V_slow", "speed.V_still"))
     for key, value, known in (
         ("energy.form", config.energy.form, ("overlap", "paper")),
         ("energy.d0", config.energy.d0, ("clamped", "paper")),
         ("warp", config.warp, ("smooth", "linear")),
     ):
         if value not in known:
-            raise ConfigError(f"got {key} = {value!r}, expected {' or '.join(known)}")
+            raise ConfigError(got=f"{key} = {value!r}", expected=" or ".join(known))
     if config.culling not in ("none", "paper", "binned"):
-        raise ConfigError(f"got culling = {config.culling!r}, expected none, paper or binned")
+        raise ConfigError(got=f"culling = {config.culling!r}", expected="none, paper or binned")
     _IN_RANGE[id(config)] = config

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from mgjax.core.errors import ConfigError
+from mgjax.core.ranges import Ranges, check_ranges
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +45,7 @@ class GraphConfig:
     horizon_s: float = 2.0
 
 
-_RANGES: dict[str, tuple[float, float]] = {
+_RANGES: Ranges = {
     "frame_rate": (1.0, 1000.0),
     "window_s": (1e-6, 10.0),
     "neighbourhood": (1, 50),
@@ -57,22 +57,10 @@ _RANGES: dict[str, tuple[float, float]] = {
     "horizon_s": (1e-6, math.inf),
 }
 """Smallest and largest value of each setting that is a number."""
-_OPTIONAL = ("threshold_m", "normalised")
 
 
 def validate_graph_config(config: GraphConfig) -> None:
     """Raises :class:`ConfigError` naming the first setting that is out of range."""
-    for name, (low, high) in _RANGES.items():
-        value = getattr(config, name)
-        if name in _OPTIONAL and value is None:
-            continue
-        number: Any = value
-        try:
-            ok = not isinstance(value, bool | str) and low <= float(number) <= high
-        except (TypeError, ValueError):
-            ok = False
-        if not ok:
-            top = f" … {high:g}" if high < math.inf else " or more"
-            raise ConfigError(got=f"{name} = {value!r}", expected=f"{low:g}{top}")
+    check_ranges(config, _RANGES, optional=("threshold_m", "normalised"))
     if config.threshold_m is not None and config.normalised is not None:
         raise ConfigError(got="both threshold_m and normalised", expected="at most one")

@@ -6,11 +6,11 @@ Neither jax nor numpy is imported here.
 from __future__ import annotations
 
 import math
-import numbers
 from dataclasses import dataclass, field
 from typing import Literal
 
 from mgjax.core.errors import ConfigError
+from mgjax.core.ranges import Ranges, check_ranges
 
 WIDEST = 4096
 """Partial walks of the widest beam."""
@@ -97,7 +97,7 @@ class WalkConfig:
     reach: ReachConfig = field(default_factory=ReachConfig)
 
 
-_PATH_RANGES: dict[str, tuple[float, float]] = {
+_PATH_RANGES: Ranges = {
     "horizon_s": (1, 60),
     "keep_s": (0.1, 60),
     "near_m": (0.05, 100),
@@ -112,7 +112,7 @@ _PATH_RANGES: dict[str, tuple[float, float]] = {
 }
 """Least and largest value of each number; infinity itself is none of them."""
 
-_REACH_RANGES: dict[str, tuple[float, float]] = {
+_REACH_RANGES: Ranges = {
     "blend_s": (0, 10),
     "turn_deg_s": (1, math.inf),
     "drop_m": (0, 1),
@@ -125,7 +125,7 @@ def validate_path_config(config: PathConfig) -> None:
     """Raises :class:`ConfigError` naming the first setting of a path search out of range."""
     if config.method not in ("exact", "beam"):
         raise ConfigError(got=f"method = {config.method!r}", expected="exact or beam")
-    _check_ranges(config, _PATH_RANGES, whole=("beam_width", "expansions"))
+    check_ranges(config, _PATH_RANGES, whole=("beam_width", "expansions"))
     if config.keep_s > config.horizon_s:
         got, expected = f"keep_s = {config.keep_s!r}", f"at most horizon_s = {config.horizon_s:g}"
         raise ConfigError(got=got, expected=expected)
@@ -137,20 +137,4 @@ def validate_reach_config(config: ReachConfig) -> None:
         value = getattr(config, name)
         if not isinstance(value, bool):
             raise ConfigError(got=f"{name} = {value!r}", expected="true or false")
-    _check_ranges(config, _REACH_RANGES)
-
-
-def _check_ranges(
-    config: PathConfig | ReachConfig,
-    ranges: dict[str, tuple[float, float]],
-    *,
-    whole: tuple[str, ...] = (),
-) -> None:
-    for name, (low, high) in ranges.items():
-        value = getattr(config, name)
-        kind = numbers.Integral if name in whole else numbers.Real
-        ok = isinstance(value, kind) and not isinstance(value, bool)
-        if not (ok and low <= float(value) <= high and value != math.inf):
-            what = "a whole number " if name in whole else ""
-            top = f" … {high:g}" if high < math.inf else " or more"
-            raise ConfigError(got=f"{name} = {value!r}", expected=f"{what}{low:g}{top}")
+    check_ranges(config, _REACH_RANGES)
