@@ -54,6 +54,19 @@ def test_what_is_traced_is_not_looked_at() -> None:
         jnp.array(9.0),
         [1.0],
     ],
+    [
+        -0.1,
+        2.1,
+        math.nan,
+        math.inf,
+        -math.inf,
+        True,
+        "1",
+        None,
+        np.float32(3),
+        jnp.array(9.0),
+        [1.0],
+    ],
 )
 def test_out_of_range(value) -> None:
     with pytest.raises(ConfigError, match=r"^got length = .*, expected 0 … 2$"):
