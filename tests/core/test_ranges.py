@@ -39,34 +39,11 @@ def test_what_is_traced_is_not_looked_at() -> None:
     assert float(jax.jit(checked)(jnp.array(9.0))) == 9.0
 
 
+ARRAYS = [np.float32(3), jnp.array(9.0)]
+
+
 @pytest.mark.parametrize(
-    "value",
-    [
-        -0.1,
-        2.1,
-        math.nan,
-        math.inf,
-        -math.inf,
-        True,
-        "1",
-        None,
-        np.float32(3),
-        jnp.array(9.0),
-        [1.0],
-    ],
-    [
-        -0.1,
-        2.1,
-        math.nan,
-        math.inf,
-        -math.inf,
-        True,
-        "1",
-        None,
-        np.float32(3),
-        jnp.array(9.0),
-        [1.0],
-    ],
+    "value", [-0.1, 2.1, math.nan, math.inf, -math.inf, True, "1", None, [1.0], *ARRAYS]
 )
 def test_out_of_range(value) -> None:
     with pytest.raises(ConfigError, match=r"^got length = .*, expected 0 … 2$"):
