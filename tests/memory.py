@@ -9,7 +9,7 @@ from pathlib import Path
 
 import jax
 
-MOST_MB = 1800
+MOST_MB = 1600
 """Of resident memory after a test; the largest test needs 1 GB more."""
 
 

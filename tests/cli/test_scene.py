@@ -142,6 +142,7 @@ def test_motion_is_smooth(written: tuple[Path, Ran]) -> None:
     assert all(1 / 1.13 < row["time_warp"] < 1.13 for row in ran.json["passes"])
 
 
+@pytest.mark.long
 def test_kicks_before_a_sensor_decide(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each kick decides the next pass of kind any; found with the thresholds of the file."""
     clips, _ = synthetic_kicks(seed=5, frame_rate=60.0, takes=1)

@@ -201,15 +201,19 @@ def run_at_smoke_size(tmp_path_factory) -> Callable[[str], dict[str, Any]]:
 
 SLOW = (
     "experiments.avoidance.calibrate",
+    "experiments.avoidance.culling",
+    "experiments.avoidance.success",
     "experiments.avoidance.sweep",
     "experiments.avoidance.table1",
     "experiments.ballsport.aim",
+    "experiments.ballsport.scene",
     "experiments.benchmarks.fabrik",
     "experiments.benchmarks.random_attacks",
+    "experiments.hybrid.build",
     "experiments.hybrid.reach",
 )
-"""Each takes half a minute and more, to compile programs that no test shares; what they call is
-tested."""
+"""Each takes a quarter of a minute and more, mostly for programs that no test shares; what they call
+is tested."""
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,8 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.runs.record import Points
 from mgjax.runs.settings import resolve
 
+pytestmark = pytest.mark.long
+
 
 def test_defaults_are_the_same_everywhere_and_those_of_a_search() -> None:
     config = resolve(Config, smoke=True)
