@@ -212,8 +212,8 @@ SLOW = (
     "experiments.hybrid.build",
     "experiments.hybrid.reach",
 )
-"""Each takes a quarter of a minute and more, mostly for programs that no test shares; what they call
-is tested."""
+"""Each takes a quarter of a minute and more, mostly for programs that no test shares; what they
+call is tested."""
 
 
 @pytest.mark.parametrize(
