@@ -7,7 +7,7 @@ from jaxtyping import Bool, Int
 
 from mgjax.core.arrays import Array, namespace
 from mgjax.core.contacts import floor_steps, foot_joints, planted, stays_planted
-from mgjax.core.kinematics import forward, global_positions
+from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 from mgjax.graph.types import NO_CLIP, MotionGraph
@@ -33,9 +33,7 @@ def planted_frames(graph: MotionGraph) -> Bool[np.ndarray, "F 2"]:
     and from the clip it arrives in in its second: a foot that slides is still a planted one.
     """
     feet = list(foot_joints(graph.skeleton))
-    stop = int(graph.clip_stops[-1])
-    root, rotations = graph.root_translation[:stop], graph.local_rotations[:stop]
-    positions = np.asarray(forward(graph.skeleton, root, rotations)[0])[:, feet]
+    positions = graph.positions[:, feet]
     plants = np.zeros((len(graph.root_translation), 2), dtype=bool)
     for a, b in zip(graph.clip_starts, graph.clip_stops, strict=True):
         plants[a:b] = planted(positions[a:b], graph.frame_rate)

@@ -16,6 +16,7 @@ from mgjax.avoidance.body.poses import PosedGraph
 from mgjax.avoidance.config import SpeedConfig
 from mgjax.core import planar
 from mgjax.core.arrays import Array
+from mgjax.core.csr import expand_rows
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register
 from mgjax.graph.types import MotionGraph
@@ -180,10 +181,8 @@ def _top_root_speed(tables: EdgeTables, root: Float[np.ndarray, "P 3"]) -> float
 def _all_chord_errors(posed: PosedGraph, tables: EdgeTables) -> tuple[np.ndarray, np.ndarray]:
     """Chord errors of the rows of the pool, and of all seams."""
     graph = posed.graph
-    fan = np.diff(graph.out_first)[graph.edge_target]
-    edges = np.repeat(np.arange(graph.num_edges), fan)
-    nth = np.arange(len(edges)) - np.repeat(np.cumsum(fan) - fan, fan)
-    following = graph.out_edges[graph.out_first[graph.edge_target[edges]] + nth]
+    edges, item = expand_rows(graph.out_first, graph.edge_target)
+    following = graph.out_edges[item]
     if not np.array_equal(tables.pool_steps, graph.edge_frames):
         return np.full(len(tables.pool), np.inf), np.full(len(edges), np.inf)
     _, frame = _rows(graph, tables)

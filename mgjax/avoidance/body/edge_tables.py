@@ -12,7 +12,6 @@ from scipy.sparse.csgraph import dijkstra
 from mgjax.avoidance.body.spheres import BodySpheres, preset_spheres, sphere_centres
 from mgjax.avoidance.config import SpeedConfig
 from mgjax.core import planar
-from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import require_roles
 from mgjax.graph.types import MotionGraph
 
@@ -59,9 +58,7 @@ class EdgeTables:
 def edge_tables(graph: MotionGraph, body_rate: float) -> EdgeTables:
     """Makes the tables of a graph, with body volumes sampled ``body_rate`` times a second."""
     spheres = preset_spheres(graph.skeleton)
-    positions = np.asarray(
-        forward(graph.skeleton, graph.root_translation, graph.local_rotations)[0]
-    )
+    positions = graph.positions
     seconds = graph.edge_frames / graph.frame_rate
     steps = np.maximum(np.ceil(seconds * body_rate - 1e-6).astype(np.int64), 1)
     first = np.concatenate([[0], np.cumsum(steps + 1)])[:-1]

@@ -17,7 +17,7 @@ from mgjax.avoidance.body.device_tables import DeviceTables
 from mgjax.avoidance.body.volumes import PlacedEdges, locate, spheres_at
 from mgjax.avoidance.candidates.batch import CandidateBatch
 from mgjax.avoidance.config import EnergyConfig
-from mgjax.avoidance.energy.kernel import Paths, Totals, join, no_totals, over_sphere
+from mgjax.avoidance.energy.kernel import Paths, RawMeasures, join, nothing_measured, over_sphere
 from mgjax.core.arrays import Array
 
 TIMES = 20
@@ -34,7 +34,7 @@ def accumulate(
     span: tuple[Array, Array],
     attack_batch: AttackBatch,
     config: EnergyConfig,
-) -> tuple[Totals, Bool[Array, " C"]]:
+) -> tuple[RawMeasures, Bool[Array, " C"]]:
     """e'/Δt, d and d0 of candidates over the evaluated times, and whether their attack is there.
 
     ``TIMES`` moments at a time; each chunk begins with the last moment of the chunk before, so that
@@ -49,7 +49,7 @@ def accumulate(
         """[T, A, …] of attacks to [T, C, …]; [T, 1, …] where there is but one."""
         return values if walks.owner is None else values[:, walks.owner]
 
-    def chunk(k: Array, known: tuple[Totals, Array]) -> tuple[Totals, Array]:
+    def chunk(k: Array, known: tuple[RawMeasures, Array]) -> tuple[RawMeasures, Array]:
         first = k * (TIMES - 1)
         index = first + jnp.arange(TIMES, dtype=jnp.int32)
         own_times = evaluation_times(attack_batch, index)
@@ -86,7 +86,7 @@ def accumulate(
     chunks = jnp.ceil(
         (jnp.max(attack_batch.number(AttackColumn.EVALUATED)) - 1) / (TIMES - 1)
     ).astype(jnp.int32)
-    none = no_totals(count), jnp.zeros(count, bool)
+    none = nothing_measured(count), jnp.zeros(count, bool)
     return jax.lax.fori_loop(0, chunks, chunk, none)
 
 
@@ -97,21 +97,21 @@ def _over_spheres(
     present: Bool[Array, "T A I"],
     count: Int[Array, ""],
     config: EnergyConfig,
-) -> Totals:
+) -> RawMeasures:
     """(e'/Δt, d, d0) over all spheres of the attacks, of which ``count`` are no padding."""
     slots = radii.shape[1]
     each = jnp.moveaxis(centres.reshape(*centres.shape[:2], slots, 3), (2, 3), (0, 1))
 
-    def one(sphere: Array, radius: Array, present: Array) -> Totals:
+    def one(sphere: Array, radius: Array, present: Array) -> RawMeasures:
         return over_sphere(config.form, True, paths, sphere, radius, present)
 
     if slots == 1:
         return one(each[0], radii[:, 0], present[..., 0])
 
-    def step(k: Array, known: Totals) -> Totals:
+    def step(k: Array, known: RawMeasures) -> RawMeasures:
         return join(known, one(each[k], radii[:, k], present[..., k]))
 
-    return jax.lax.fori_loop(0, count, step, no_totals(paths.active.shape[1]))
+    return jax.lax.fori_loop(0, count, step, nothing_measured(paths.active.shape[1]))
 
 
 def _first_within(

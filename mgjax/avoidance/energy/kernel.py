@@ -38,7 +38,7 @@ compiler stops vectorising them."""
 Vector: TypeAlias = tuple[Array, ...]
 
 
-class Totals(NamedTuple):
+class RawMeasures(NamedTuple):
     """What the kernel finds over times and spheres, per candidate.
 
     Attributes:
@@ -92,16 +92,16 @@ def over_attack(
     centres: Float[Array, "3 T I"],
     radii: Float[Array, " I"],
     present: Bool[Array, "T I"],
-) -> Totals:
+) -> RawMeasures:
     """(e'/Δt, d, d0) over all attack spheres, one after the other."""
 
-    def step(totals: Totals, sphere: tuple[Array, Array, Array]) -> tuple[Totals, None]:
+    def step(totals: RawMeasures, sphere: tuple[Array, Array, Array]) -> tuple[RawMeasures, None]:
         centre, radius, lives = sphere
         added = over_sphere(form, swept, paths, centre[..., None], radius[None], lives[:, None])
         return join(totals, added), None
 
     each, lives = jnp.moveaxis(centres, 2, 0), present.T
-    none = no_totals(paths.active.shape[1])
+    none = nothing_measured(paths.active.shape[1])
     if centres.shape[2] == 1:
         return step(none, (each[0], radii[0], lives[0]))[0]
     return lax.scan(step, none, (each, radii, lives))[0]
@@ -114,7 +114,7 @@ def over_sphere(
     sphere: Float[Array, "3 T A"],
     radius: Float[Array, " A"],
     present: Bool[Array, "T A"],
-) -> Totals:
+) -> RawMeasures:
     """(e'/Δt, d, d0) of every candidate against one sphere, or (A = C) each against its own."""
     times, candidates = paths.active.shape
     wide = candidates >= WIDE and times <= _STRAIGHT
@@ -128,7 +128,7 @@ def _over_time(
     paths: Paths,
     sphere: Float[Array, "3 T A"],
     radius: Float[Array, " A"],
-) -> Totals:
+) -> RawMeasures:
     """(e'/Δt, d, d0) of every candidate against one attack sphere, by a loop over time."""
     step = partial(_time_step, form, swept, paths, sphere, radius)
     sums, _ = lax.scan(step, _no_sums(paths), jnp.arange(sphere.shape[1]))
@@ -142,7 +142,7 @@ def _over_time_wide(
     paths: Paths,
     sphere: Float[Array, "3 T A"],
     radius: Float[Array, " A"],
-) -> Totals:
+) -> RawMeasures:
     """(e'/Δt, d, d0) of many candidates against one attack sphere, as straight code.
 
     XLA's CPU code for a loop reads the index of a slice from memory for every element, which keeps
@@ -205,25 +205,25 @@ def _no_sums(paths: Paths) -> _Sums:
     return _Sums(moved=zero, nearest=far, nearest0=far, last=still, last0=still, active=inactive)
 
 
-def _over_body(sums: _Sums, paths: Paths, radius: Array) -> Totals:
+def _over_body(sums: _Sums, paths: Paths, radius: Array) -> RawMeasures:
     """(e'/Δt, d, d0) over the body spheres."""
     reach = _reach(paths, radius)
     sums = lax.optimization_barrier(sums)
     nearest = jnp.min(_distance(sums.nearest) - reach, axis=1)
     nearest0 = jnp.min(_distance(sums.nearest0) - reach, axis=1)
     moved = jnp.where(paths.radii[None] >= 0, sums.moved, 0.0)
-    return Totals(jnp.sum(moved, axis=1), nearest, nearest0)
+    return RawMeasures(jnp.sum(moved, axis=1), nearest, nearest0)
 
 
-def no_totals(candidates: int) -> Totals:
+def nothing_measured(candidates: int) -> RawMeasures:
     """The totals of candidates that were compared with nothing."""
     far = jnp.full(candidates, FAR, jnp.float32)
-    return Totals(jnp.zeros_like(far), far, far)
+    return RawMeasures(jnp.zeros_like(far), far, far)
 
 
-def join(one: Totals, other: Totals) -> Totals:
+def join(one: RawMeasures, other: RawMeasures) -> RawMeasures:
     """The totals over the spheres or times of both."""
-    return Totals(
+    return RawMeasures(
         one.moved + other.moved, jnp.minimum(one.d, other.d), jnp.minimum(one.d0, other.d0)
     )
 

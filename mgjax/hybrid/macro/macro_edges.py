@@ -18,7 +18,7 @@ from jaxtyping import Float, Int
 
 from mgjax.core import csr, planar
 from mgjax.core.errors import GraphError
-from mgjax.core.kinematics import forward, planar_frames
+from mgjax.core.kinematics import planar_frames
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.macro.look_ahead import look_ahead
@@ -79,8 +79,7 @@ def build_macro_edges(graph: MotionGraph) -> MacroEdges:
         GraphError: no walk gets anywhere.
     """
     delta = max(1, round(MACRO_EDGE_S * graph.frame_rate))
-    positions = forward(graph.skeleton, graph.root_translation, graph.local_rotations)[0]
-    planes = np.asarray(planar_frames(graph.skeleton, np.asarray(positions)), dtype=np.float64)
+    planes = np.asarray(planar_frames(graph.skeleton, graph.positions), dtype=np.float64)
     pieces = cut_edges(graph, planes, delta)
     members, frames = _enumerate(pieces, delta)
     source = pieces.source[members[:, 0]]
