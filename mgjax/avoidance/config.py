@@ -86,7 +86,9 @@ class AvoidanceConfig:
         crop_radius_m, crop_height_m: the part of an attack within this cylinder around the root
             counts for energies and timing.
         body_rate: samples per second of the body volume, per edge. The paper's 10 Hz are off by up
-            to 14 cm in between; at the capture's rate ranking and final check agree.
+            to 14 cm in between; at the capture's rate ranking and final check agree. At a rate
+            other than the graph's no bound on clearances is certain: every candidate is then
+            checked exactly, which gives the same answers and takes longer.
         evaluation_step_s: longest interval at which volumes are compared.
         limit_scale: rejects time scales outside [1/E_time, E_time]; the paper keeps them.
         capacity: most candidates that are judged; those beyond are counted, never silent.
