@@ -157,7 +157,9 @@ def hands_above(axes: Axes, graph: MotionGraph, reached: ReachResult) -> None:
             track = positions[max(row.first - around, 0) : row.last + around + 1, end]
             axes.plot(*track[:, ::2].T, color=colour, linewidth=1)
         text = f"{number} {row.target.limb.replace('_', ' ')}: {row.status}"
-        axes.annotate(text, place[::2], (6, 6), textcoords="offset points", fontsize=7)
+        axes.annotate(
+            text, (float(place[0]), float(place[2])), (6, 6), textcoords="offset points", fontsize=7
+        )
 
 
 def distances(axes: Axes, graph: MotionGraph, reached: ReachResult) -> None:

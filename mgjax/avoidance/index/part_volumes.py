@@ -62,7 +62,7 @@ def part_volumes(tables: EdgeTables, rate: float, parts: Int[np.ndarray, " U"]) 
     empty = np.zeros((0, most, 3, len(radii)), np.float32)
     centres = np.concatenate([empty, *(pad_axis(b, most)[None] for b in bodies)])
     moments = np.array([len(b) for b in bodies], np.int64)
-    words = [np.zeros((2, 1), np.uint32)]
+    words: list[np.ndarray] = [np.zeros((2, 1), np.uint32)]
     shape, corner = np.zeros((count, 2), np.int64), np.zeros((count, 2))
     outlines = [np.zeros((0, 2))] * count
     base, size = np.zeros(count, np.int64), 1
