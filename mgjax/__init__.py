@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mgjax.core.kinematics import global_positions as global_positions
     from mgjax.core.motion import Motion as Motion
     from mgjax.core.skeleton import Skeleton as Skeleton
-    from mgjax.io.bvh_write import save_bvh as save_bvh
+    from mgjax.io.bvh.write import save_bvh as save_bvh
     from mgjax.io.load import load_motion as load_motion
 else:
     __getattr__, __dir__, __all__ = attach(
@@ -40,7 +40,7 @@ else:
             "load_motion": "mgjax.io.load",
             "MgjaxError": "mgjax.core.errors",
             "Motion": "mgjax.core.motion",
-            "save_bvh": "mgjax.io.bvh_write",
+            "save_bvh": "mgjax.io.bvh.write",
             "Skeleton": "mgjax.core.skeleton",
         },
     )

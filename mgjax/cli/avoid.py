@@ -21,7 +21,7 @@ from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import NO_CLIP, MotionGraph
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.io.toml_file import load_config
 from mgjax.pictures.throws import Throw, scene_picture

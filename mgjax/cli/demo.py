@@ -19,7 +19,7 @@ from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.pictures.throws import Throw, scene_picture
 

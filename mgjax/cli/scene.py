@@ -17,7 +17,7 @@ from mgjax.ballsport.scene.report import scene_json
 from mgjax.cli.arguments import Scene
 from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.pictures.scene import scene_picture
 from mgjax.sensor.receiver import SensorReceiver

@@ -20,7 +20,7 @@ from mgjax.hybrid.paths.sketch import load_sketch
 from mgjax.hybrid.reaching.result import ReachResult
 from mgjax.hybrid.reaching.targets import load_targets
 from mgjax.hybrid.reaching.walk import reach
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.io.toml_file import load_config, read_toml
 from mgjax.pictures.walk import walk_picture

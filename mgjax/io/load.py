@@ -8,9 +8,9 @@ from pathlib import Path
 from mgjax.core.errors import ConfigError, FileFormatError
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
-from mgjax.io.amc import find_asf, read_amc
-from mgjax.io.asf import read_asf
-from mgjax.io.bvh import read_bvh
+from mgjax.io.acclaim.amc import find_asf, read_amc
+from mgjax.io.acclaim.asf import read_asf
+from mgjax.io.bvh.read import read_bvh
 from mgjax.io.units import Unit
 
 SUFFIXES = (".bvh", ".amc")

@@ -14,7 +14,7 @@ import pytest
 
 from mgjax.cli import main
 from mgjax.clips.synthetic import synthetic_clips
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 
 USED = ("steps", "duck", "sway", "crouch_jump")
 

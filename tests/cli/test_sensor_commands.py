@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from mgjax.clips.synthetic_kicks import synthetic_kicks
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from mgjax.io.load import load_motion
 from mgjax.sensor.frames import SensorFrame
 from mgjax.sensor.receiver import SensorReceiver

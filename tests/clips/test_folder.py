@@ -9,7 +9,7 @@ import pytest
 
 from mgjax.clips.folder import load_clips
 from mgjax.core.errors import FileFormatError, MotionError
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from tests.conftest import make_motion, make_skeleton
 
 BODY = make_skeleton()

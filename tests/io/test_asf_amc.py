@@ -9,8 +9,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mgjax.core.kinematics import global_positions
-from mgjax.io.amc import find_asf
-from mgjax.io.asf import read_asf
+from mgjax.io.acclaim.amc import find_asf
+from mgjax.io.acclaim.asf import read_asf
 from mgjax.io.load import load_motion, read_capture
 from tests.io import made
 from tests.reference import asf_amc as reference

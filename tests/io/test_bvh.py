@@ -14,8 +14,8 @@ from mgjax.core.errors import ConfigError, MotionError, OutputError, SkeletonErr
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import MAX_DEPTH, Skeleton
-from mgjax.io.bvh import read_bvh
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.read import read_bvh
+from mgjax.io.bvh.write import save_bvh
 from tests.conftest import make_motion, make_skeleton
 from tests.io import made
 from tests.reference import kinematics as reference

@@ -11,7 +11,7 @@ import pytest
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import validate_motion
 from mgjax.core.skeleton import first_difference, require_roles, validate_skeleton
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from mgjax.io.load import load_motion, read_capture
 from tests.reference import asf_amc as reference
 from tests.reference import kinematics as plain

@@ -16,7 +16,7 @@ from mgjax.core.errors import FileFormatError, MgjaxError
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion, validate_motion
 from mgjax.core.skeleton import Skeleton, validate_skeleton
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from mgjax.io.load import load_motion
 from tests.io import made
 from tests.work import counted

@@ -18,7 +18,7 @@ from mgjax.avoidance.rates import CHECK_RATE, EXPORT_RATE, FAR
 from mgjax.core.kinematics import planar_frames
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from tests.reference import avoidance as reference
 
 

@@ -27,7 +27,7 @@ from mgjax.core.errors import AttackError, ConfigError
 from mgjax.core.kinematics import forward
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import make_walk
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from tests.avoidance.made import make_graph, throw
 from tests.reference import avoidance as reference
 

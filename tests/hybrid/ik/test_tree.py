@@ -14,7 +14,7 @@ from mgjax.hybrid.ik.limbs import steady_joints
 from mgjax.hybrid.ik.pose import moved_joints
 from mgjax.hybrid.ik.rotations import chain_rotations
 from mgjax.hybrid.ik.tree import fabrik_tree
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from mgjax.io.load import load_motion
 
 FRAMES = 16

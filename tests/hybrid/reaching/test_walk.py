@@ -17,7 +17,7 @@ from mgjax.hybrid.paths.sketch import make_sketch
 from mgjax.hybrid.reaching.result import ReachResult
 from mgjax.hybrid.reaching.targets import make_target
 from mgjax.hybrid.reaching.walk import reach
-from mgjax.io.bvh_write import save_bvh
+from mgjax.io.bvh.write import save_bvh
 from mgjax.io.load import load_motion
 from tests.hybrid.paths.made import walking as few_transitions
 

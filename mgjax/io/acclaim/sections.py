@@ -1,4 +1,4 @@
-"""The sections of an ASF file: its units, root and bones; see :mod:`mgjax.io.asf`."""
+"""The sections of an ASF file: its units, root and bones; see :mod:`mgjax.io.acclaim.asf`."""
 
 from __future__ import annotations
 

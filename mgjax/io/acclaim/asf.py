@@ -18,7 +18,7 @@ from mgjax.core import quaternion
 from mgjax.core.arrays import Array
 from mgjax.core.errors import FileFormatError
 from mgjax.core.skeleton import MAX_DEPTH, MAX_OFFSET_M, Skeleton
-from mgjax.io.asf_sections import (
+from mgjax.io.acclaim.sections import (
     ROOT,
     Bone,
     Line,

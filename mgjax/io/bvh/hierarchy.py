@@ -1,4 +1,4 @@
-"""The hierarchy of a BVH file: joints, their offsets and channels; see :mod:`mgjax.io.bvh`."""
+"""The hierarchy of a BVH file: joints, their offsets and channels; see :mod:`mgjax.io.bvh.read`."""
 
 from __future__ import annotations
 

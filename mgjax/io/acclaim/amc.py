@@ -1,4 +1,4 @@
-"""AMC motions: the frames of an Acclaim ASF skeleton; see :mod:`mgjax.io.asf` for its angles."""
+"""AMC motions: frames of an Acclaim ASF skeleton; :mod:`mgjax.io.acclaim.asf` has its angles."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from mgjax.core import quaternion
 from mgjax.core.errors import FileFormatError
 from mgjax.core.motion import Motion
-from mgjax.io.asf import AsfFile
-from mgjax.io.asf_sections import ROOT
+from mgjax.io.acclaim.asf import AsfFile
+from mgjax.io.acclaim.sections import ROOT
 from mgjax.io.text import (
     MAX_PLACE_M,
     check_size,

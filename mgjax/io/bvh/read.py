@@ -20,7 +20,7 @@ from mgjax.core import quaternion
 from mgjax.core.errors import FileFormatError
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import MAX_OFFSET_M, Skeleton
-from mgjax.io.bvh_hierarchy import BvhJoint, read_hierarchy
+from mgjax.io.bvh.hierarchy import BvhJoint, read_hierarchy
 from mgjax.io.text import (
     MAX_PLACE_M,
     check_size,

@@ -1,0 +1,1 @@
+"""BVH files: reading and writing."""
