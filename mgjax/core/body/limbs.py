@@ -170,7 +170,7 @@ def _limb(tree: Tree, top: int, parts: tuple[str, str, str]) -> Limb | None:
         upper, lower = along[j] - along[i], along[k] - along[j]
         if min(upper, lower) <= 0.02 * total:
             continue
-        score = 4 * (upper + lower) / total - 2 * abs(np.log(upper / lower))
+        score = 4 * (upper + lower) / total - 2 * abs(np.log(upper / lower)) - (k - i - 2)
         for at, part in zip((i, j, k), parts, strict=True):
             score += _fit(tree.hints[chain[at]], part)
         if score > best:
