@@ -84,6 +84,8 @@ class Build(Reading):
     """File whose skeleton the graph gets; default: that of the first clip."""
     mirror: bool = False
     """Add a left-right mirrored copy of every clip."""
+    retarget: bool = False
+    """Put clips of other skeletons (names, proportions, rest pose) on the graph's."""
     config: Path | None = None
     """TOML file of graph settings."""
     no_index: bool = False

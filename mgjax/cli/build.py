@@ -38,6 +38,7 @@ KEYS = (
     "foot_slide_before",
     "foot_slide_after",
     "index",
+    "retargeted",
     "notes",
 )
 
@@ -46,8 +47,8 @@ def run(command: Build) -> None:
     """Reads clips and labels, builds the graph, writes it."""
     begin = time.perf_counter()
     config = load_config(command.config, GraphConfig) if command.config else GraphConfig()
-    if command.mirror:
-        config = replace(config, mirror=True)
+    switches = {"mirror": command.mirror, "retarget": command.retarget}
+    config = replace(config, **{name: True for name, on in switches.items() if on})
     progress = sys.stderr.isatty()
     with output_folder(command.out) as folder:
         read_as = read_as_of(command, command.roles)

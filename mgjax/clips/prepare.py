@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mgjax.clips.oddities import first_clean_frame, jump_frames
+from mgjax.clips.retarget.clip import Retargeted
+from mgjax.clips.retarget.many import Retargeter, notes_on
 from mgjax.clips.rigid import standing_clip
 from mgjax.clips.types import Clip, Label, Labels, mirrored_direction
 from mgjax.core.body.rest import standing_rest
@@ -26,16 +28,24 @@ class PreparedClip:
         motion: at the graph's rate.
         label_frames: [P,2] start and stop of each label, in frames.
         labels: what they are.
+        retargeted: how the motion was put on the skeleton, if it was another one's.
     """
 
     name: str
     motion: Motion
     label_frames: np.ndarray
     labels: tuple[Label, ...]
+    retargeted: Retargeted | None = None
 
 
 def prepare_clips(
-    clips: list[Clip], labels: Labels, *, skeleton: Skeleton, frame_rate: float, mirrored: bool
+    clips: list[Clip],
+    labels: Labels,
+    *,
+    skeleton: Skeleton,
+    frame_rate: float,
+    mirrored: bool,
+    retarget: bool = False,
 ) -> tuple[list[PreparedClip], list[str]]:
     """Puts clips on one skeleton and rate; returns them with notes on every change made.
 
@@ -43,41 +53,60 @@ def prepare_clips(
     rotations are copied; the root's place is scaled by the ratio of the heights at which
     it stands, so that feet stay on the floor. A T-pose in the first frame is cut off, with the
     frames that a converter blended it into; a clip is split where it jumps, and loses a label that
-    holds the jump.
+    holds the jump. With ``retarget``, clips of another skeleton (names, proportions, rest pose,
+    bone axes) are put on this one (:func:`mgjax.clips.retarget.clip.carry`).
 
     Raises:
-        SkeletonError: a clip has another hierarchy; the first difference is named.
+        SkeletonError: a clip has another hierarchy; the first difference is named. With
+            ``retarget``: one that has no legs.
         MotionError: a clip has bones that are not rigid.
     """
     skeleton = graph_skeleton(skeleton)
     prepared: list[PreparedClip] = []
     notes: list[str] = []
+    standing: list[Clip] = []
     for captured in clips:
-        clip = standing_clip(captured, notes)
-        difference = first_difference(skeleton, clip.skeleton)
-        if difference is not None:
-            raise SkeletonError(
-                f"{clip.name}: got {difference}, expected one hierarchy in all clips"
-            )
+        standing.append(standing_clip(captured, notes))
+        if not retarget:
+            _refuse_other_skeleton(skeleton, standing[-1])
+    carry = Retargeter(skeleton, standing, frame_rate) if retarget else None
+    for clip in standing:
         lost = set(labels.get(clip.name, ()))
         for name, start, stop in _pieces(clip, notes):
             motion = resample(cut(clip.motion, start, stop), frame_rate)
-            scale = standing_height(skeleton) / standing_height(clip.skeleton)
-            motion = replace(motion, root_translation=motion.root_translation * np.float32(scale))
+            how = None
+            if carry is None or not carry.needed(clip):
+                scale = standing_height(skeleton) / standing_height(clip.skeleton)
+                root = motion.root_translation * np.float32(scale)
+                motion = replace(motion, root_translation=root)
+            else:
+                motion, how = carry(clip, motion, name)
             kept, frames = _labels_of_piece(clip, labels, start, stop, motion)
             lost -= set(kept)
             prepared.append(
-                PreparedClip(name=name, motion=motion, label_frames=frames, labels=kept)
+                PreparedClip(
+                    name=name, motion=motion, label_frames=frames, labels=kept, retargeted=how
+                )
             )
         for label in sorted(lost, key=lambda x: x.start_s):
             notes.append(
                 f"{clip.name}: label {label.start_s:g} … {label.end_s:g} s left out,"
                 f" there is a jump in it or no frame at {frame_rate:g} Hz"
             )
+    notes += notes_on([clip.retargeted for clip in prepared if clip.retargeted])
     if mirrored:
         prepared += [_mirror(skeleton, clip) for clip in prepared]
         notes.append(f"{len(clips)} clips mirrored left-right")
     return prepared, notes
+
+
+def _refuse_other_skeleton(skeleton: Skeleton, clip: Clip) -> None:
+    difference = first_difference(skeleton, clip.skeleton)
+    if difference is not None:
+        raise SkeletonError(
+            f"{clip.name}: got {difference}, expected one hierarchy in all clips; --retarget puts"
+            " clips of another skeleton on this one"
+        )
 
 
 def graph_skeleton(skeleton: Skeleton) -> Skeleton:
@@ -150,5 +179,9 @@ def standing_height(skeleton: Skeleton) -> float:
 def _mirror(skeleton: Skeleton, clip: PreparedClip) -> PreparedClip:
     flipped = tuple(replace(x, direction=mirrored_direction(x.direction)) for x in clip.labels)
     return replace(
-        clip, name=f"{clip.name}~mirrored", motion=mirror(skeleton, clip.motion), labels=flipped
+        clip,
+        name=f"{clip.name}~mirrored",
+        motion=mirror(skeleton, clip.motion),
+        labels=flipped,
+        retargeted=None,
     )

@@ -77,24 +77,26 @@ def solve(
 def local_rotations(
     hip_turn: Float[Array, "*b 4"],
     knee_turn: Float[Array, "*b 4"],
-    above: Float[Array, "*b 4"],
-    hip: Float[Array, "*b 4"],
-    knee: Float[Array, "*b 4"],
-    ankle: Float[Array, "*b 4"],
+    above: tuple[Float[Array, "*b 4"], Float[Array, "*b 4"], Float[Array, "*b 4"]],
+    leg: tuple[Float[Array, "*b 4"], Float[Array, "*b 4"], Float[Array, "*b 4"]],
 ) -> tuple[Float[Array, "*b 4"], Float[Array, "*b 4"], Float[Array, "*b 4"]]:
     """Local rotations of hip, knee and ankle after the turns that :func:`solve` finds.
 
-    The foot keeps its orientation in the world.
+    The foot keeps its orientation in the world. Joints between hip, knee and ankle (twist bones)
+    keep their local rotations: they turn with the bone that they are in.
 
     Args:
         hip_turn, knee_turn: as :func:`solve` returns them.
-        above: world rotation of what the hip hangs on.
-        hip, knee, ankle: present world rotations.
+        above: present world rotations of the parents of hip, knee and ankle.
+        leg: present world rotations of hip, knee and ankle.
     """
-    thigh = quaternion.multiply(hip_turn, hip)
-    shin = quaternion.multiply(quaternion.multiply(hip_turn, knee_turn), knee)
+    thigh, shin = hip_turn, quaternion.multiply(hip_turn, knee_turn)
+
+    def local(parent: Array, joint: Array) -> Array:
+        return quaternion.multiply(quaternion.conjugate(parent), joint)
+
     return (
-        quaternion.multiply(quaternion.conjugate(above), thigh),
-        quaternion.multiply(quaternion.conjugate(thigh), shin),
-        quaternion.multiply(quaternion.conjugate(shin), ankle),
+        local(above[0], quaternion.multiply(thigh, leg[0])),
+        local(quaternion.multiply(thigh, above[1]), quaternion.multiply(shin, leg[1])),
+        local(quaternion.multiply(shin, above[2]), leg[2]),
     )

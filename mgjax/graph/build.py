@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -67,7 +67,7 @@ def build_graph(
         The largest strongly connected component; its ``report`` has the statistics.
 
     Raises:
-        SkeletonError: hierarchies differ, or have no hips.
+        SkeletonError: hierarchies differ and ``config.retarget`` is off, or have no hips.
         LabelError: an interval outside its clip, or overlapping another.
         ConfigError: a setting out of range.
         GraphError: nothing is left, or the automatic threshold does not exist; says what would do.
@@ -138,6 +138,7 @@ def build_graph(
         "candidates": len(candidates.leave),
         "labels_total": sum(len(items) for items in by_clip.values()) * (2 if config.mirror else 1),
         "notes": notes,
+        "retargeted": [asdict(c.retargeted) for c in timeline.clips if c.retargeted],
     }
     with watch.step("assemble"):
         graph = assemble(timeline, candidates, kept, blended, window, config, report)

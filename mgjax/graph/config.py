@@ -27,6 +27,7 @@ class GraphConfig:
         weights: how much each joint counts: ``"uniform"``, ``"limbs"``, or a table of joint names
             and numbers.
         mirror: adds a left-right mirrored copy of every clip.
+        retarget: puts clips of other skeletons on the graph's.
         clean_feet: keeps planted feet in place within transitions.
         horizon_s: a label is enterable if a walk from some node reaches its middle within this, s.
     """
@@ -41,6 +42,7 @@ class GraphConfig:
     max_threshold_m: float = 0.20
     weights: str | dict[str, float] = "uniform"
     mirror: bool = False
+    retarget: bool = False
     clean_feet: bool = True
     horizon_s: float = 2.0
 

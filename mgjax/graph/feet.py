@@ -20,7 +20,6 @@ from mgjax.core.arrays import Array
 from mgjax.core.body.roles import require_roles
 from mgjax.core.contacts import floor_steps, foot_joints, stays_planted
 from mgjax.core.easing import smoothstep
-from mgjax.core.errors import SkeletonError
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
 
@@ -42,16 +41,11 @@ def foot_chains(skeleton: Skeleton) -> FootChains:
     """The legs of a skeleton.
 
     Raises:
-        SkeletonError: a joint of the legs is missing, or there are joints between hip, knee and
-            ankle.
+        SkeletonError: a joint of the legs is missing; it is named.
     """
     joints = require_roles(
         skeleton, [f"{s}_{j}" for j in ("hip", "knee", "ankle") for s in ("left", "right")]
     )
-    for upper, lower in zip(joints[:4], joints[2:], strict=True):
-        if skeleton.parents[lower] != upper:
-            names = skeleton.names
-            raise SkeletonError(f"{names[lower]!r} does not hang directly on {names[upper]!r}")
     return FootChains(
         hips=(joints[0], joints[1]),
         knees=(joints[2], joints[3]),
@@ -172,8 +166,13 @@ def _turn_leg(
     moved: Array,
 ) -> jax.Array:
     """Local rotations of a leg after turning thigh and shin in the world, the foot's kept."""
+    hip, knee, ankle = leg
+    above = [turns[:, skeleton.parents[j]] for j in leg]
     new = two_bone.local_rotations(
-        hip_turn, knee_turn, turns[:, skeleton.parents[leg[0]]], *(turns[:, j] for j in leg)
+        hip_turn,
+        knee_turn,
+        (above[0], above[1], above[2]),
+        (turns[:, hip], turns[:, knee], turns[:, ankle]),
     )
     for joint, local in zip(leg, new, strict=True):
         rotations = rotations.at[:, joint].set(

@@ -37,7 +37,12 @@ def make_timeline(
     """Prepares clips and lays them out; notes say what was changed."""
     skeleton = graph_skeleton(skeleton)
     prepared, notes = prepare_clips(
-        clips, labels, skeleton=skeleton, frame_rate=config.frame_rate, mirrored=config.mirror
+        clips,
+        labels,
+        skeleton=skeleton,
+        frame_rate=config.frame_rate,
+        mirrored=config.mirror,
+        retarget=config.retarget,
     )
     lengths = np.array([c.motion.num_frames for c in prepared])
     stops = np.cumsum(lengths)

@@ -13,7 +13,7 @@ from mgjax.ballsport.hits.bones import BoneHit, analyse
 from mgjax.ballsport.hits.detect import hit_joint, links
 from mgjax.ballsport.hits.motion_vectors import MotionVectors, leg_length, stack
 from mgjax.clips.oddities import first_clean_frame
-from mgjax.clips.retarget import retarget
+from mgjax.clips.retarget.clip import retarget
 from mgjax.clips.synthetic_kicks import synthetic_kicks
 from mgjax.clips.types import Clip, Labels
 from mgjax.core.errors import MotionError

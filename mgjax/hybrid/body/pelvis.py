@@ -38,9 +38,14 @@ def lower_pelvis(skeleton: Skeleton, motion: Motion, drop: Float[np.ndarray, " F
         places = (old[:, hip] + down, old[:, knee] + down, old[:, ankle] + down)
         ahead = quaternion.rotate(turns[:, 0], np.broadcast_to([0.0, 0.0, 1.0], places[0].shape))
         hip_turn, knee_turn = two_bone.solve(*places, old[:, ankle], ahead)
-        above = turns[:, skeleton.parents[hip]]
-        leg = (turns[:, hip], turns[:, knee], turns[:, ankle])
-        new = two_bone.local_rotations(hip_turn, knee_turn, above, *leg)
+        chain = (hip, knee, ankle)
+        above = [turns[:, skeleton.parents[j]] for j in chain]
+        new = two_bone.local_rotations(
+            hip_turn,
+            knee_turn,
+            (above[0], above[1], above[2]),
+            (turns[:, hip], turns[:, knee], turns[:, ankle]),
+        )
         local[rows, hip], local[rows, knee], local[rows, ankle] = (np.asarray(q) for q in new)
     return replace(
         motion,

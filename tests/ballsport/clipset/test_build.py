@@ -9,7 +9,7 @@ from mgjax.ballsport.clipset.build import NO_LINK, ClipSet, build_clip_set, kind
 from mgjax.ballsport.config import KINDS, AnalysisConfig, ClipSetConfig, KindConfig
 from mgjax.ballsport.hits.detect import Hit, hit_joint
 from mgjax.ballsport.hits.motion_vectors import leg_length, motion_vector, scaled
-from mgjax.clips.retarget import retarget
+from mgjax.clips.retarget.clip import retarget
 from mgjax.clips.synthetic_kicks import LINKS, synthetic_kicks
 from mgjax.clips.types import Clip, Label
 from mgjax.core.errors import MotionError, SkeletonError

@@ -1,0 +1,1 @@
+"""Motion put on another skeleton: other names, proportions, rest pose and bone axes."""
