@@ -9,6 +9,7 @@ import numpy as np
 from mgjax.clips.oddities import first_clean_frame, jump_frames
 from mgjax.clips.retarget.clip import Retargeted
 from mgjax.clips.retarget.many import Retargeter, notes_on
+from mgjax.clips.retarget.same import difference
 from mgjax.clips.rigid import standing_clip
 from mgjax.clips.types import Clip, Label, Labels, mirrored_direction
 from mgjax.core.body.rest import standing_rest
@@ -16,7 +17,7 @@ from mgjax.core.body.roles import find_role
 from mgjax.core.contacts import foot_joints
 from mgjax.core.errors import SkeletonError
 from mgjax.core.motion import Motion, cut, mirror, resample
-from mgjax.core.skeleton import Skeleton, first_difference, rest_positions
+from mgjax.core.skeleton import Skeleton, rest_positions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,8 +58,8 @@ def prepare_clips(
     bone axes) are put on this one (:func:`mgjax.clips.retarget.clip.carry`).
 
     Raises:
-        SkeletonError: a clip has another hierarchy; the first difference is named. With
-            ``retarget``: one that has no legs.
+        SkeletonError: a clip has another hierarchy or rest pose; the first difference is named.
+            With ``retarget``: one that has no legs.
         MotionError: a clip has bones that are not rigid.
     """
     skeleton = graph_skeleton(skeleton)
@@ -101,11 +102,11 @@ def prepare_clips(
 
 
 def _refuse_other_skeleton(skeleton: Skeleton, clip: Clip) -> None:
-    difference = first_difference(skeleton, clip.skeleton)
-    if difference is not None:
+    found = difference(skeleton, clip.skeleton)
+    if found is not None:
         raise SkeletonError(
-            f"{clip.name}: got {difference}, expected one hierarchy in all clips; --retarget puts"
-            " clips of another skeleton on this one"
+            f"{clip.name}: got {found}, expected one hierarchy and rest pose in all clips;"
+            " --retarget puts clips of another skeleton on this one"
         )
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mgjax.core import two_bone
+from mgjax.core import quaternion, two_bone
 from tests.core.batches import (
     assert_finite_gradient,
     assert_same_everywhere,
@@ -136,3 +136,27 @@ def test_degenerate_legs_have_finite_gradients(name):
         assert_finite_gradient(two_bone.solve, *DEGENERATE[name], pole)
         turns = two_bone.solve(*DEGENERATE[name], pole)
         assert all(np.isfinite(q).all() for q in turns)
+
+
+@pytest.mark.parametrize("between", [False, True])
+def test_local_rotations_put_the_bones_where_the_turns_say(between):
+    """World rotations rebuilt from the local ones, with and without twist bones in between."""
+    rng = np.random.default_rng(3)
+    hip_turn, knee_turn, above, hip, knee, ankle, twist = (
+        q / np.linalg.norm(q) for q in rng.normal(size=(7, 4))
+    )
+    matrix = reference.matrix
+    over_knee = np.asarray(quaternion.multiply(hip, twist)) if between else hip
+    over_ankle = np.asarray(quaternion.multiply(knee, twist)) if between else knee
+    local = two_bone.local_rotations(
+        hip_turn, knee_turn, (above, over_knee, over_ankle), (hip, knee, ankle)
+    )
+    step = matrix(twist) if between else np.eye(3)
+    thigh = matrix(above) @ matrix(local[0])
+    shin = thigh @ step @ matrix(local[1])
+    foot = shin @ step @ matrix(local[2])
+    np.testing.assert_allclose(thigh, matrix(hip_turn) @ matrix(hip), atol=1e-12)
+    np.testing.assert_allclose(
+        shin, matrix(hip_turn) @ matrix(knee_turn) @ matrix(knee), atol=1e-12
+    )
+    np.testing.assert_allclose(foot, matrix(ankle), atol=1e-12)

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
+from mgjax.core import quaternion
 from mgjax.core.errors import SkeletonError
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
@@ -135,19 +136,19 @@ def slide(frames: int = 11, *, step: float = 0.01, seed: int = 0) -> tuple[np.nd
     return root, rotations
 
 
-def run(root, rotations, left: str, right: str):
+def run(root, rotations, left: str, right: str, skeleton: Skeleton = BODY):
     """Cleans all frames but the first, which is the one before the blend."""
-    positions, _ = forward(BODY, root, rotations)
+    positions, _ = forward(skeleton, root, rotations)
     planted = jnp.array([[a == "1", b == "1"] for a, b in zip(left, right, strict=True)])
     new, metres = clean(
-        BODY,
+        skeleton,
         root=jnp.asarray(root[1:]),
         rotations=jnp.asarray(rotations[1:]),
         planted=planted,
         before=jnp.asarray(positions[0]),
-        chains=CHAINS,
+        chains=foot_chains(skeleton),
     )
-    after, _ = forward(BODY, root[1:], np.asarray(new))
+    after, _ = forward(skeleton, root[1:], np.asarray(new))
     return positions, np.concatenate([positions[:1], after]), np.asarray(new), np.asarray(metres)
 
 
@@ -243,3 +244,53 @@ def test_chains():
     trunk = Skeleton(names=("root", "spine"), parents=(-1, 0), offsets=BODY.offsets[:2])
     with pytest.raises(SkeletonError, match="left_hip"):
         foot_chains(trunk)
+
+
+def with_a_joint_in_each_bone(skeleton: Skeleton) -> Skeleton:
+    """A twist bone in the middle of each thigh and each shin."""
+    names: list[str] = []
+    parents: list[int] = []
+    offsets: list[np.ndarray] = []
+    for name, parent, offset in zip(
+        skeleton.names, skeleton.parents, np.asarray(skeleton.offsets), strict=True
+    ):
+        above = names.index(skeleton.names[parent]) if parent >= 0 else -1
+        if name[1:] in ("tibia", "foot"):
+            names.append(f"{name}_twist")
+            parents.append(above)
+            offsets.append(offset / 2)
+            above, offset = len(names) - 1, offset / 2
+        names.append(name)
+        parents.append(above)
+        offsets.append(offset)
+    return Skeleton(
+        names=tuple(names),
+        parents=tuple(parents),
+        offsets=np.array(offsets, np.float32),
+        end_joints=tuple(names.index(skeleton.names[j]) for j in skeleton.end_joints),
+    )
+
+
+@pytest.mark.parametrize("twisted", [False, True])
+def test_joints_between_hip_knee_and_ankle(twisted):
+    skeleton = with_a_joint_in_each_bone(BODY)
+    chains = foot_chains(skeleton)
+    same = [skeleton.index(name) for name in BODY.names]
+    assert chains.knees == (skeleton.index("ltibia"), skeleton.index("rtibia"))
+    root, rotations = slide()
+    more = np.tile(np.float32([1, 0, 0, 0]), (len(rotations), skeleton.num_joints, 1))
+    more[:, same] = rotations
+    twists = [j for j, name in enumerate(skeleton.names) if name.endswith("_twist")]
+    if twisted:  # about the bone: the joints below turn back
+        for name in ("ltibia", "rtibia", "lfoot", "rfoot"):
+            turn = np.float32([np.cos(0.3), 0, np.sin(0.3), 0])
+            back = turn * np.float32([1, -1, -1, -1])
+            more[:, skeleton.index(f"{name}_twist")] = turn
+            joint = skeleton.index(name)
+            more[:, joint] = quaternion.multiply(back, more[:, joint])
+    want_before, want_after, _, want = run(root, rotations, "11111000111", "00011111000")
+    before, after, new, metres = run(root, more, "11111000111", "00011111000", skeleton)
+    np.testing.assert_allclose(before[:, same], want_before, atol=1e-5)
+    np.testing.assert_allclose(after[:, same], want_after, atol=3e-4)
+    np.testing.assert_allclose(metres, want, atol=1e-4)
+    np.testing.assert_array_equal(new[:, twists], more[1:, twists])

@@ -29,6 +29,8 @@ _ANATOMY = {
     "right_shoulder": (-_LEFT, _UP),
 }
 """Of each limb in a T-pose, by its first joint: direction, and the axis about which it bends."""
+_ELSEWHERE = np.radians(45.0)
+"""A hand that is bent or turned by more on average does not rest in the rest pose."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -95,8 +97,7 @@ def make_body(skeleton: Skeleton, motions: Iterable[Motion] = ()) -> Body:
                 frames[role] = heading(bone) if flat is None else _inverse(flat)
             elif role in roles:
                 frames[role] = faces
-        if f"{side}_hand" in roles and f"{side}_wrist" in frames:
-            frames[f"{side}_hand"] = frames[f"{side}_wrist"]
+        _add_hand(frames, roles, side, shown)
     legs = [tree.distance(roles[f"{s}_hip"], roles[f"{s}_ankle"]) for s in ("left", "right")]
     return Body(
         skeleton=skeleton,
@@ -134,7 +135,7 @@ def _swung(faces: np.ndarray, canonical: np.ndarray, direction: np.ndarray) -> n
 def _limb_frames(
     rest: np.ndarray, roles: dict[str, int], limb: tuple[str, ...], faces: np.ndarray, shown: Shown
 ) -> dict[str, np.ndarray]:
-    """Frames of both bones of a limb, and of the hand, which keeps that of the forearm."""
+    """Frames of both bones of a limb."""
     direction, axis = _ANATOMY[limb[0]]
     frames: dict[str, np.ndarray] = {}
     upper = shown.hinges.get(limb[0])
@@ -146,9 +147,22 @@ def _limb_frames(
             frames[role] = _swung(faces, direction, bone)
         else:
             frames[role] = _frame(bone, hinge, direction, axis)
-    if limb[2].endswith("wrist"):
-        frames[limb[2]] = frames[limb[1]]
     return frames
+
+
+def _add_hand(
+    frames: dict[str, np.ndarray], roles: dict[str, int], side: str, shown: Shown
+) -> None:
+    """A hand has the axes of the forearm in the rest pose, or else on average."""
+    for part, above in (("wrist", "elbow"), ("hand", "wrist")):
+        role, known = f"{side}_{part}", frames.get(f"{side}_{above}")
+        if role not in roles or known is None:
+            continue
+        mean = shown.hands.get(role)
+        still = np.array([1.0, 0.0, 0.0, 0.0])
+        if mean is None or quaternion.angle_between(mean, still) < _ELSEWHERE:
+            mean = still
+        frames[role] = np.asarray(quaternion.multiply(_inverse(mean), known))
 
 
 def _frame(

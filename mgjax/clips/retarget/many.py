@@ -8,24 +8,14 @@ import numpy as np
 
 from mgjax.clips.retarget.body import Body, make_body
 from mgjax.clips.retarget.clip import Retargeted, carry
+from mgjax.clips.retarget.same import same_build
 from mgjax.clips.types import Clip
 from mgjax.core.errors import SkeletonError
 from mgjax.core.motion import Motion, resample
-from mgjax.core.skeleton import Skeleton, first_difference
+from mgjax.core.skeleton import Skeleton
 
-_SAME_M = 1e-3
-"""Skeletons whose joints differ by no more in their parents' frames are one."""
 _LINES = 10
 """As many clips at most have a note each."""
-
-
-def same_build(one: Skeleton, other: Skeleton) -> bool:
-    """Whether two skeletons have one hierarchy, rest pose and size; ends of bones may differ."""
-    if first_difference(one, other) is not None:
-        return False
-    inner = [j for j in range(1, one.num_joints) if j not in one.end_joints]
-    away = np.asarray(one.offsets)[inner] - np.asarray(other.offsets)[inner]
-    return bool(np.abs(away).max(initial=0.0) <= _SAME_M)
 
 
 class Retargeter:
@@ -74,7 +64,11 @@ class Retargeter:
             try:
                 self._bodies[group] = make_body(skeleton, motions)
             except SkeletonError as error:
-                raise SkeletonError(f"{name}: {error}; retargeting needs legs") from None
+                raise SkeletonError(
+                    got=f"a skeleton that cannot be retargeted ({error})",
+                    expected="legs",
+                    place=name,
+                ) from None
         return self._bodies[group]
 
 

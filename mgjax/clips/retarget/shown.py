@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import product
 
 import numpy as np
 
 from mgjax.core import quaternion
+from mgjax.core.body.roles import SIDES
 from mgjax.core.contacts import PLANT_SPEED_M_S
 from mgjax.core.kinematics import forward, joint_velocities
 from mgjax.core.motion import Motion
@@ -19,7 +21,7 @@ from mgjax.core.skeleton import Skeleton, rest_positions
 
 LIMBS = {
     f"{side}_{joints[0]}": tuple(f"{side}_{part}" for part in joints)
-    for side in ("left", "right")
+    for side in SIDES
     for joints in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist"))
 }
 """The three joints of each limb, by the first."""
@@ -42,11 +44,14 @@ class Shown:
             ``left_hip`` that of the thigh, of ``left_knee`` that of the shin.
         flat: rotation of a foot that stands flat and points along +Z, by ``left_ankle``,
             ``left_toe``, …
+        hands: mean rotation of ``left_wrist`` against the elbow, of ``left_hand`` against the
+            wrist, …
         heights: height of balls of the feet (``toe``) and of ankles when they stand, m.
     """
 
     hinges: dict[str, np.ndarray] = field(default_factory=dict)
     flat: dict[str, np.ndarray] = field(default_factory=dict)
+    hands: dict[str, np.ndarray] = field(default_factory=dict)
     heights: dict[str, float] = field(default_factory=dict)
 
 
@@ -54,6 +59,7 @@ def look_at(skeleton: Skeleton, roles: dict[str, int], motions: Iterable[Motion]
     """Gathers what all motions of one skeleton show together."""
     axes: dict[str, list[tuple[np.ndarray, float, int]]] = {}
     feet: dict[str, list[np.ndarray]] = {}
+    hands: dict[str, list[np.ndarray]] = {}
     heights: dict[str, list[float]] = {}
     for motion in motions:
         places, turns = (
@@ -68,16 +74,22 @@ def look_at(skeleton: Skeleton, roles: dict[str, int], motions: Iterable[Motion]
             if roles.keys() >= set(limb):
                 for role, seen in zip(limb, _axes(places, turns, roles, limb), strict=False):
                     axes.setdefault(role, []).append(seen)
+        for side, (part, above) in product(SIDES, (("wrist", "elbow"), ("hand", "wrist"))):
+            if roles.keys() >= {f"{side}_{part}", f"{side}_{above}"}:
+                pair = [turns[:, roles[f"{side}_{p}"]] for p in (above, part)]
+                against = np.asarray(quaternion.multiply(_inverse(pair[0]), pair[1]))
+                hands.setdefault(f"{side}_{part}", []).append(against)
         for point in ("toe", "ankle"):
-            joints = [roles[f"{s}_{point}"] for s in ("left", "right") if f"{s}_{point}" in roles]
+            joints = [roles[f"{s}_{point}"] for s in SIDES if f"{s}_{point}" in roles]
             if joints:
                 low = np.quantile(places[:, joints, 1].min(axis=1), 0.05)
                 heights.setdefault(point, []).append(float(low))
-        for side in ("left", "right"):
+        for side in SIDES:
             _see_foot(skeleton, roles, side, places, turns, motion.frame_rate, feet)
     return Shown(
         hinges={role: axis for role, seen in axes.items() if (axis := _agreed(seen)) is not None},
         flat={role: mean_turn(np.concatenate(q)) for role, q in feet.items() if _enough(q)},
+        hands={role: mean_turn(np.concatenate(q)) for role, q in hands.items() if _enough(q)},
         heights={point: float(np.median(low)) for point, low in heights.items()},
     )
 

@@ -155,10 +155,16 @@ def test_retarget_keeps_directions(capture) -> None:
     moved = retarget(source, motion, target)
     before = np.asarray(global_positions(source, motion))
     after = np.asarray(global_positions(target, moved))
-    for a, b in (("lfemur", "ltibia"), ("rtibia", "rfoot"), ("lhumerus", "lradius")):
+    # Arms point where they pointed; legs nearly, as feet stand where they stood, scaled.
+    for a, b, most in (
+        ("lfemur", "ltibia", 0.12),
+        ("rtibia", "rfoot", 0.12),
+        ("lhumerus", "lradius", 1e-4),
+        ("rradius", "rwrist", 1e-4),
+    ):
         ways = [p[:, s.index(b)] - p[:, s.index(a)] for s, p in ((source, before), (target, after))]
         ways = [w / np.linalg.norm(w, axis=-1, keepdims=True) for w in ways]
-        np.testing.assert_allclose(ways[0], ways[1], atol=1e-4)
+        np.testing.assert_allclose(ways[0], ways[1], atol=most)
     thigh = after[:, target.index("ltibia")] - after[:, target.index("lfemur")]
     lengths = np.linalg.norm(thigh, axis=-1)
     np.testing.assert_allclose(lengths, 0.43, atol=1e-5)

@@ -189,3 +189,9 @@ def _rebuilt(clip: Clip, rows: list[Row], legs: float) -> tuple[Skeleton, Motion
         root_translation=root.astype(np.float32),
         local_rotations=local.astype(np.float32),
     )
+
+
+def turned_rest(skeleton: Skeleton, motion: Motion, yaw: float) -> tuple[Skeleton, Motion]:
+    """The same motion for a rest pose that faces elsewhere."""
+    turns = np.tile(quaternion.from_yaw(np.array(yaw)), (skeleton.num_joints, 1))
+    return _reposed(skeleton, turns), _converted(skeleton, turns, motion)
