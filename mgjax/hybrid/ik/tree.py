@@ -117,7 +117,7 @@ def _solve(
         return climb(problem_of(base, frame, targets)[0], inside, limits, tolerance, budget)
 
     first, least = jax.vmap(start)(bases, frames, wanted, given)
-    tree, _ = problem_of(bases[0], frames[0], wanted[0])
+    tree, _ = problem_of(jnp.zeros(3), jnp.zeros(4), jnp.zeros(wanted.shape[1:]))
 
     def more() -> Array:
         drawn = None if limits is None else drawn_poses(tree, limits)
