@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 from collections.abc import Sequence
 from fnmatch import fnmatch
 from pathlib import Path
@@ -13,12 +15,16 @@ from mgjax.clips.types import Clip
 from mgjax.core.errors import MotionError
 from mgjax.core.motion import Motion
 from mgjax.io.load import SUFFIXES, load_motion
+from mgjax.io.user_path import user_path
 
 
 def load_clips(
     folder: str | Path, *, exclude: Sequence[str] = (), progress: bool = False
 ) -> tuple[list[Clip], list[str]]:
     """Loads every motion file in ``folder`` and the folders below it, in the order of their paths.
+
+    Links to folders are followed. A folder that is reached on several ways counts once, under the
+    name that it has without links where it has one.
 
     Args:
         folder: where to look.
@@ -33,10 +39,10 @@ def load_clips(
         MotionError: there is no clip.
         FileFormatError: a file cannot be read.
     """
-    folder = Path(folder)
+    folder = user_path(folder)
     if not folder.is_dir():
         raise MotionError(f"{folder}: got no such folder, expected a folder of clips")
-    files = [p for p in folder.rglob("*") if p.suffix.lower() in SUFFIXES and p.is_file()]
+    files = _motion_files(folder)
     names = sorted(p.relative_to(folder).as_posix() for p in files)
     names = [n for n in names if not any(fnmatch(n, pattern) for pattern in exclude)]
     if not names:
@@ -51,6 +57,26 @@ def load_clips(
             continue
         clips.append(Clip(name=name, skeleton=skeleton, motion=motion))
     return clips, notes
+
+
+def _motion_files(folder: Path) -> list[Path]:
+    """All motion files below a folder, each folder looked into once."""
+    seen: set[str] = set()
+    found: list[Path] = []
+    folders, links = [folder], []
+    while folders or links:
+        here = folders.pop() if folders else links.pop(0)
+        real = os.path.realpath(here)
+        if real in seen:
+            continue
+        seen.add(real)
+        with contextlib.suppress(PermissionError):
+            for path in sorted(here.iterdir()):
+                if path.is_dir():
+                    (links if path.is_symlink() else folders).append(path)
+                elif path.suffix.lower() in SUFFIXES and path.is_file():
+                    found.append(path)
+    return found
 
 
 def _same_motion(a: Motion, b: Motion) -> bool:
