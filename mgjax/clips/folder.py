@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 from collections.abc import Sequence
 from fnmatch import fnmatch
 from pathlib import Path
@@ -17,17 +19,21 @@ from mgjax.io.load import SUFFIXES, read_capture
 from mgjax.io.reading.capture import Capture
 from mgjax.io.reading.interpret import BODY_M
 from mgjax.io.reading.read_as import ReadAs
+from mgjax.io.user_path import user_path
 
 
 def clip_files(folder: Path, exclude: Sequence[str] = ()) -> list[str]:
     """Paths of the motion files in a folder and below, relative to it, in their order.
+
+    Links to folders are followed. A folder that is reached on several ways counts once, under the
+    name that it has without links where it has one.
 
     Raises:
         MotionError: there is no such folder, or no clip in it.
     """
     if not folder.is_dir():
         raise MotionError(f"{folder}: got no such folder, expected a folder of clips")
-    files = [p for p in folder.rglob("*") if p.suffix.lower() in SUFFIXES and p.is_file()]
+    files = _motion_files(folder)
     names = sorted(p.relative_to(folder).as_posix() for p in files)
     names = [n for n in names if not any(fnmatch(n, pattern) for pattern in exclude)]
     if not names:
@@ -61,7 +67,7 @@ def load_clips(
     Raises:
         MotionError: there is no clip, or files are bad: all of them are named.
     """
-    folder = Path(folder)
+    folder = user_path(folder)
     names = clip_files(folder, exclude)
     known = ClipsToml(folder)
     clips: list[Clip] = []
@@ -116,6 +122,26 @@ def _together(said: dict[str, list[str]]) -> list[str]:
         f"{names[0]}: {note}" if len(names) == 1 else f"{len(names)} clips: {note}"
         for note, names in said.items()
     ]
+
+
+def _motion_files(folder: Path) -> list[Path]:
+    """All motion files below a folder, each folder looked into once."""
+    seen: set[str] = set()
+    found: list[Path] = []
+    folders, links = [folder], []
+    while folders or links:
+        here = folders.pop() if folders else links.pop(0)
+        real = os.path.realpath(here)
+        if real in seen:
+            continue
+        seen.add(real)
+        with contextlib.suppress(PermissionError):
+            for path in sorted(here.iterdir()):
+                if path.is_dir():
+                    (links if path.is_symlink() else folders).append(path)
+                elif path.suffix.lower() in SUFFIXES and path.is_file():
+                    found.append(path)
+    return found
 
 
 def _same_motion(a: Motion, b: Motion) -> bool:

@@ -57,6 +57,17 @@ def make_walk(
     return Walk(edges=chosen, scales=factors)
 
 
+def random_walk(graph: MotionGraph, node: int, seconds: float, seed: int) -> Walk:
+    """Edges drawn at random from a node on, until they last so long."""
+    rng = np.random.default_rng(seed)
+    edges = [int(rng.choice(graph.edges_from(node)))]
+    end = graph.edge_frames[edges[0]] / graph.frame_rate
+    while end < seconds:
+        edges.append(int(rng.choice(graph.edges_from(int(graph.edge_target[edges[-1]])))))
+        end += graph.edge_frames[edges[-1]] / graph.frame_rate
+    return make_walk(graph, edges)
+
+
 def place_edges(
     graph: MotionGraph, edges: np.ndarray, start: Float[np.ndarray, "3"] | None = None
 ) -> Float[np.ndarray, "L 3"]:

@@ -10,7 +10,6 @@ from jaxtyping import Int
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
-from mgjax.avoidance.choice.continuation import random_walk
 from mgjax.avoidance.choice.decision import Decision, better_of, decide
 from mgjax.avoidance.choice.results import Choice, Dropped, Status
 from mgjax.avoidance.choice.search import Query, in_32_bits, search_input, search_one
@@ -20,6 +19,7 @@ from mgjax.avoidance.culling.cull import without_culled
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import random_walk
 
 
 def choose(
@@ -85,7 +85,8 @@ def _in_time(
 def _nothing(
     prepared: Prepared, node: int, attack: Attack, config: AvoidanceConfig, seed: int
 ) -> Choice:
-    walk = random_walk(prepared.graph, node, attack, config, seed)
+    # What plays where nothing avoids, until the attack is over.
+    walk = random_walk(prepared.graph, node, attack.end + config.settle_s, seed)
     return Choice(status=Status.NO_CANDIDATE, node=node, walk=walk)
 
 

@@ -155,9 +155,12 @@ def fabrik_iteration(
 
 
 def damped_least_squares_step(
-    problem: TreeProblem, local: Float[Array, "n 4"], limits: JointLimits | None
+    problem: TreeProblem,
+    local: Float[Array, "n 4"],
+    limits: JointLimits | None,
+    weights: Float[Array, " E"] | None = None,
 ) -> Array:
-    """One damped least-squares step of all joints towards all targets.
+    """One damped least-squares step of all joints towards all targets, of equal or given weights.
 
     With r the arm from a joint to an end, the joint's turn ω moves the end by ω × r. The turns of
     least size that move the ends by e solve (J Jᵀ + λ) f = e, ω = Σ r × f, with λ = |e|²/2
@@ -175,6 +178,9 @@ def damped_least_squares_step(
     count, ends = arms.shape[:2]
     jacobian = jnp.swapaxes(jacobian.reshape(count, 3 * ends, 3), 0, 1)
     miss = (problem.targets - places[problem.ends]).reshape(-1)
+    if weights is not None:
+        rows_of = jnp.repeat(weights, 3)
+        jacobian, miss = jacobian * rows_of[:, None, None], miss * rows_of
     damping = 0.5 * jnp.sum(miss * miss) + 1e-7
 
     def step(freedom: Float[Array, "n 3 3"]) -> tuple[Array, Array]:
