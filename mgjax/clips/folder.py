@@ -73,7 +73,7 @@ def load_clips(
     clips: list[Clip] = []
     notes: list[str] = []
     said: dict[str, list[str]] = {}
-    bad: list[str] = []
+    bad: list[MgjaxError] = []
     for name in tqdm(names, desc="reading", unit="clip", disable=not progress, leave=False):
         way = over(known.of(folder / name), read_as or ReadAs())
         try:
@@ -81,7 +81,7 @@ def load_clips(
             if need_body:
                 check_body(folder / name, capture, way)
         except MgjaxError as error:
-            bad.append(str(error))
+            bad.append(error)
             continue
         twin = next((c for c in clips if _same_motion(c.motion, capture.motion)), None)
         if twin is not None:
@@ -94,8 +94,7 @@ def load_clips(
             Clip(name=name, skeleton=capture.skeleton, motion=capture.motion, reading=reading)
         )
     if bad and not (skip_bad and clips):
-        more = "" if len(bad) == 1 else f"{len(bad)} of {len(names)} files: "
-        raise MotionError(more + "; ".join(bad))
+        raise all_of(bad, len(names))
     notes += [f"left out: {error}" for error in bad]
     return clips, [*_together(said), *notes]
 
@@ -114,6 +113,13 @@ def check_body(path: Path, capture: Capture, read_as: ReadAs) -> None:
             f"a body of {tall:.2f} m in the {capture.unit.name}",
             f"{low:g} … {high:g} m; if it is right, say the unit: --units",
         )
+
+
+def all_of(bad: Sequence[MgjaxError], files: int) -> MgjaxError:
+    """One error for all bad files: the only one as it is, or all in a row."""
+    if len(bad) == 1:
+        return bad[0]
+    return MotionError(f"{len(bad)} of {files} files: {'; '.join(map(str, bad))}")
 
 
 def _together(said: dict[str, list[str]]) -> list[str]:
