@@ -112,6 +112,20 @@ def part_moments(graph: MotionGraph, walk: Walk, length: int, part: int) -> Floa
     return np.array([first, 0.5 * (first + last), last])
 
 
+def both_warps(
+    graph: MotionGraph, walk: Walk, length: int, part: int, near: tuple[float, float]
+) -> tuple[TimeWarp, TimeWarp]:
+    """How a walk to an avoidance part is played with one speed per edge, and smoothly.
+
+    Args:
+        graph, walk, length, part: as of :func:`part_moments`.
+        near: when the attack comes near, and when it has gone, s from now.
+    """
+    linear = linear_warp(graph, walk)
+    middle = part_moments(graph, walk, length, part)[1:2]
+    return linear, smooth_warp(linear, float(linear.when(middle)[0]), near)
+
+
 def linear_warp(graph: MotionGraph, walk: Walk) -> TimeWarp:
     """The walk as its scales say: each edge at one speed."""
     starts = walk.starts(graph)
