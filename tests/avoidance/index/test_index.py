@@ -3,7 +3,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from experiments.benchmarks.grid_index import paths_per_cell
 from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.body.edge_tables import edge_tables
@@ -86,7 +85,7 @@ def test_by_hand() -> None:
     assert index.time.tolist() == [2 * 15 + 9 + 11, 9 + 11]  # half frames
     assert cells_of(index, 0).tolist() == [[10, 10, -1]]
     assert cells_of(index, 1).tolist() == [[0, 10, 0]]
-    assert paths_per_cell(index, 1).tolist() == [1]
+    assert index.paths_per_cell(1).tolist() == [1]
     here = np.array([[0, 10, 0], [3, 3, 3]])
     found = lookup(index, 1, here, 0.4, 0.5)
     assert found is not None
