@@ -10,9 +10,10 @@ from jaxtyping import Float
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.body.spheres import BodySpheres, sphere_centres
 from mgjax.avoidance.rates import CHECK_RATE, EXPORT_RATE, FAR
-from mgjax.avoidance.timing.time_warp import TimeWarp, natural_starts
+from mgjax.avoidance.timing.walk_warps import natural_starts
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion, sample
+from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, extend, sample_walk
 

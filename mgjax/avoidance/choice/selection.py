@@ -13,8 +13,9 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M
-from mgjax.avoidance.timing.time_warp import TimeWarp, both_warps, linear_warp
+from mgjax.avoidance.timing.walk_warps import both_warps, linear_warp
 from mgjax.core.motion import Motion
+from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.types import MotionGraph
 
 

@@ -16,8 +16,8 @@ from mgjax.avoidance.checks.written import (
     write_walk,
 )
 from mgjax.avoidance.rates import CHECK_RATE, EXPORT_RATE, FAR
-from mgjax.avoidance.timing.time_warp import TimeWarp
 from mgjax.core.kinematics import planar_frames
+from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk
 from mgjax.io.bvh.write import save_bvh
