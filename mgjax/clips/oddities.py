@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mgjax.core.body.roles import find_role
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion
-from mgjax.core.skeleton import Skeleton, find_role
+from mgjax.core.skeleton import Skeleton
 
 MAX_SPEED_M_S = 25.0
 """A hard kick or throw moves the fastest joint at 15–20 m/s."""

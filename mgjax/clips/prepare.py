@@ -7,11 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mgjax.clips.oddities import first_clean_frame, jump_frames
+from mgjax.clips.rigid import standing_clip
 from mgjax.clips.types import Clip, Label, Labels, mirrored_direction
+from mgjax.core.body.rest import standing_rest
+from mgjax.core.body.roles import find_role
 from mgjax.core.contacts import foot_joints
-from mgjax.core.errors import MotionError, SkeletonError
+from mgjax.core.errors import SkeletonError
 from mgjax.core.motion import Motion, cut, mirror, resample
-from mgjax.core.skeleton import Skeleton, find_role, first_difference, rest_positions
+from mgjax.core.skeleton import Skeleton, first_difference, rest_positions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +39,8 @@ def prepare_clips(
 ) -> tuple[list[PreparedClip], list[str]]:
     """Puts clips on one skeleton and rate; returns them with notes on every change made.
 
-    Local rotations are copied; the root's place is scaled by the ratio of the heights at which
+    A rest pose that does not stand is replaced by a T-pose, with the same joint places. Local
+    rotations are copied; the root's place is scaled by the ratio of the heights at which
     it stands, so that feet stay on the floor. A T-pose in the first frame is cut off, with the
     frames that a converter blended it into; a clip is split where it jumps, and loses a label that
     holds the jump.
@@ -45,16 +49,16 @@ def prepare_clips(
         SkeletonError: a clip has another hierarchy; the first difference is named.
         MotionError: a clip has bones that are not rigid.
     """
+    skeleton = graph_skeleton(skeleton)
     prepared: list[PreparedClip] = []
     notes: list[str] = []
-    for clip in clips:
+    for captured in clips:
+        clip = standing_clip(captured, notes)
         difference = first_difference(skeleton, clip.skeleton)
         if difference is not None:
             raise SkeletonError(
                 f"{clip.name}: got {difference}, expected one hierarchy in all clips"
             )
-        if clip.motion.joint_offsets is not None:
-            raise MotionError(f"{clip.name}: got bones of changing length, expected rigid bones")
         lost = set(labels.get(clip.name, ()))
         for name, start, stop in _pieces(clip, notes):
             motion = resample(cut(clip.motion, start, stop), frame_rate)
@@ -74,6 +78,12 @@ def prepare_clips(
         prepared += [_mirror(skeleton, clip) for clip in prepared]
         notes.append(f"{len(clips)} clips mirrored left-right")
     return prepared, notes
+
+
+def graph_skeleton(skeleton: Skeleton) -> Skeleton:
+    """The skeleton with a rest pose that stands."""
+    rest = standing_rest(skeleton)
+    return skeleton if rest is None else rest.skeleton
 
 
 def _labels_of_piece(
@@ -123,6 +133,7 @@ def standing_height(skeleton: Skeleton) -> float:
     Between CMU's subjects this keeps planted feet within 1 cm of the floor on the average of a
     clip, where the length of the legs alone leaves up to 2.3 cm.
     """
+    skeleton = graph_skeleton(skeleton)
     hip, ankle = find_role(skeleton, "left_hip"), find_role(skeleton, "left_ankle")
     if hip is None or ankle is None:
         return 1.0

@@ -8,11 +8,13 @@ import numpy as np
 
 from mgjax.clips.prepare import standing_height
 from mgjax.core import quaternion
+from mgjax.core.body.rest import standing_rest
+from mgjax.core.body.roles import find_role, require_roles
 from mgjax.core.contacts import foot_joints
 from mgjax.core.errors import MotionError
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
-from mgjax.core.skeleton import Skeleton, find_role, require_roles
+from mgjax.core.skeleton import Skeleton
 
 _SIDED = ("hip", "knee", "ankle", "toe", "shoulder", "elbow", "wrist", "hand")
 _ROLES = (
@@ -26,7 +28,7 @@ def retarget(source: Skeleton, motion: Motion, target: Skeleton) -> Motion:
     """The motion on another skeleton: bones point where they pointed.
 
     A joint of the target takes its rotation from the joint with the same name or else the same
-    role (:func:`mgjax.core.skeleton.find_role`), corrected by the smallest turn between the rest
+    role (:func:`mgjax.core.body.roles.find_role`), corrected by the smallest turn between the rest
     directions of the two bones. Joints without a counterpart keep still against their parent.
     The root's place is scaled by the ratio of the heights at which the two skeletons stand, and
     raised so that the lower foot is as high over the floor as it was, in the median.
@@ -39,6 +41,8 @@ def retarget(source: Skeleton, motion: Motion, target: Skeleton) -> Motion:
         raise MotionError("got bones of changing length, expected rigid bones")
     for skeleton in (source, target):
         require_roles(skeleton, _NEEDED)
+    if (rest := standing_rest(source)) is not None:
+        source, motion = rest.skeleton, rest.motion(motion)
     twins = _twins(source, target)
     places, turns = forward(
         source, np.asarray(motion.root_translation), np.asarray(motion.local_rotations)

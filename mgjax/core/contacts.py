@@ -5,8 +5,9 @@ from __future__ import annotations
 from jaxtyping import Bool, Float
 
 from mgjax.core.arrays import Array, namespace
+from mgjax.core.body.roles import find_role, require_roles
 from mgjax.core.kinematics import joint_velocities
-from mgjax.core.skeleton import Skeleton, find_role, require_roles
+from mgjax.core.skeleton import Skeleton
 
 PLANT_HEIGHT_M = 0.05
 PLANT_SPEED_M_S = 0.2

@@ -7,8 +7,9 @@ from jaxtyping import Float
 
 from mgjax.core import planar, quaternion
 from mgjax.core.arrays import Array, namespace
+from mgjax.core.body.roles import require_roles
 from mgjax.core.motion import Motion
-from mgjax.core.skeleton import Skeleton, depth_levels, require_roles
+from mgjax.core.skeleton import Skeleton, depth_levels
 
 
 def forward(

@@ -9,8 +9,9 @@ from jaxtyping import Float
 
 from mgjax.core import quaternion
 from mgjax.core.arrays import Array, namespace
+from mgjax.core.body.mirrored import mirror_joints
 from mgjax.core.errors import MotionError
-from mgjax.core.skeleton import Skeleton, mirror_joints
+from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.pytree import register
 
 

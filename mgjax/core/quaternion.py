@@ -114,6 +114,27 @@ def from_euler(angles: Float[Array, "*b k"], order: str) -> Float[Array, "*b 4"]
     return result
 
 
+def from_matrix(matrix: Float[Array, "*b 3 3"]) -> Float[Array, "*b 4"]:
+    """The rotation of an orthogonal matrix, from the largest of its four components."""
+    xp = namespace(matrix)
+    m = [[matrix[..., i, j] for j in range(3)] for i in range(3)]
+    one = xp.ones_like(m[0][0])
+    rows = [
+        [one + m[0][0] + m[1][1] + m[2][2], m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]]
+    ]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        row = [m[k][j] - m[j][k], one, one, one]
+        row[1 + i] = one + m[i][i] - m[j][j] - m[k][k]
+        row[1 + j] = m[j][i] + m[i][j]
+        row[1 + k] = m[k][i] + m[i][k]
+        rows.append(row)
+    candidates = xp.stack([xp.stack(row, axis=-1) for row in rows], axis=-2)
+    squares = xp.stack([rows[0][0], rows[1][1], rows[2][2], rows[3][3]], axis=-1)
+    largest = xp.argmax(squares, axis=-1)[..., None, None]
+    return normalise(xp.take_along_axis(candidates, largest, axis=-2)[..., 0, :])
+
+
 def to_euler_zyx(q: Float[Array, "*b 4"]) -> Float[Array, "*b 3"]:
     """Angles (z, y, x) in rad with q = Rz·Ry·Rx; at the pole y = ±π/2, x is 0."""
     xp = namespace(q)

@@ -1,8 +1,7 @@
-"""The skeleton: named joints in a tree with fixed bones, and what its joint names mean."""
+"""The skeleton: named joints in a tree with fixed bones."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -10,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core.arrays import Array
+from mgjax.core.body.names import bare
 from mgjax.core.errors import SkeletonError
 from mgjax.core.xla.pytree import register
 
@@ -20,7 +20,7 @@ MAX_DEPTH = 256
 """No body has more joints one below the other; a file that nests deeper is broken."""
 
 
-@register("names", "parents", "end_joints")
+@register("names", "parents", "end_joints", "roles")
 @dataclass(frozen=True, kw_only=True)
 class Skeleton:
     """A tree of joints.
@@ -32,12 +32,15 @@ class Skeleton:
             the identity, so offsets are in world directions.
         end_joints: indices of the joints that only mark the end of a bone (BVH end sites, ASF bone
             ends) and have no rotation of their own.
+        roles: (role, joint) where somebody said or saw which joint is which; empty where
+            :func:`mgjax.core.body.roles.find_roles` is to find them in the tree.
     """
 
     names: tuple[str, ...]
     parents: tuple[int, ...]
     offsets: Float[Array, "J 3"]
     end_joints: tuple[int, ...] = ()
+    roles: tuple[tuple[str, int], ...] = ()
 
     @property
     def num_joints(self) -> int:
@@ -49,11 +52,6 @@ class Skeleton:
             return self.names.index(name)
         except ValueError:
             raise SkeletonError(f"no joint {name!r}; joints are {', '.join(self.names)}") from None
-
-    def rest_height(self) -> float:
-        """Height of the rest pose in the unit of the offsets."""
-        y = rest_positions(self)[:, 1]
-        return float(y.max() - y.min())
 
 
 def rest_positions(skeleton: Skeleton) -> np.ndarray:
@@ -92,6 +90,9 @@ def validate_skeleton(skeleton: Skeleton) -> None:
             f"{len(names)} names, {len(parents)} parents and offsets of shape {offsets.shape},"
             " expected one of each per joint"
         )
+    for role, joint in skeleton.roles:
+        if not 0 <= joint < len(names):
+            raise SkeletonError(f"role {role!r} is joint {joint} of {len(names)}, expected one")
     if not parents or parents[0] != -1:
         raise SkeletonError("the first joint must be the root, with parent -1")
     for joint, parent in enumerate(parents[1:], start=1):
@@ -111,11 +112,11 @@ def validate_skeleton(skeleton: Skeleton) -> None:
 
 
 def first_difference(reference: Skeleton, other: Skeleton) -> str | None:
-    """How the hierarchy of ``other`` differs first, or None; bone lengths may differ."""
+    """How the hierarchy of ``other`` differs first, or None; bone lengths and namespaces may."""
     for a, b, pa, pb in zip(
         reference.names, other.names, reference.parents, other.parents, strict=False
     ):
-        if a != b:
+        if bare(a) != bare(b):
             return f"joint {b!r} where the reference has {a!r}"
         if pa != pb:
             return (
@@ -127,77 +128,3 @@ def first_difference(reference: Skeleton, other: Skeleton) -> str | None:
         which = "only the reference has" if longer is reference else "the reference lacks"
         return f"{which} joint {longer.names[min(reference.num_joints, other.num_joints)]!r}"
     return None
-
-
-# What a joint is for, and the names it goes by, lower case, without separators, most specific
-# first: CMU's ASF files, two BVH conversions of them (3ds Max and DAZ), Mixamo/MotionBuilder.
-# "@" stands for the side.
-_SIDED_ROLES: dict[str, tuple[str, ...]] = {
-    "hip": ("@femur", "@hip", "@upleg", "@thigh", "@upperleg"),
-    "knee": ("@tibia", "@knee", "@leg", "@shin", "@lowerleg"),
-    "ankle": ("@foot", "@ankle"),
-    "toe": ("@toes", "@toe", "@toebase", "@ball"),
-    "shoulder": ("@humerus", "@arm", "@shldr", "@shoulder", "@upperarm"),
-    "elbow": ("@radius", "@forearm", "@elbow", "@lowerarm"),
-    "wrist": ("@wrist", "@hand"),
-    "hand": ("@fingers", "@handindex1", "@mid1", "@index1"),
-}
-_ROLES: dict[str, tuple[str, ...]] = {
-    "spine": ("upperback", "chest", "spine", "abdomen", "spine1"),
-    "chest": ("thorax", "chest2", "chest", "spine1", "spine2"),
-    "neck": ("lowerneck", "neck"),
-    "head": ("head",),
-}
-_SIDES = {"left": ("left", "l"), "right": ("right", "r")}
-
-
-def find_role(skeleton: Skeleton, role: str) -> int | None:
-    """Index of the joint with a role such as ``"left_knee"``, ``"chest"`` or ``"root"``, or None.
-
-    Roles: root, spine, chest, neck, head and, with ``left_`` or ``right_`` before them, hip, knee,
-    ankle, toe, shoulder, elbow, wrist, hand. A role names the joint at that place, so
-    ``left_knee`` is ASF's ``ltibia``, the joint where the shin begins.
-    """
-    if role == "root":
-        return 0
-    plain = {_plain(name): j for j, name in reversed(list(enumerate(skeleton.names)))}
-    side, _, part = role.partition("_")
-    if side in _SIDES and part in _SIDED_ROLES:
-        wanted = [p.replace("@", s) for p in _SIDED_ROLES[part] for s in _SIDES[side]]
-    elif role in _ROLES:
-        wanted = list(_ROLES[role])
-    else:
-        raise KeyError(role)
-    return next((plain[name] for name in wanted if name in plain), None)
-
-
-def require_roles(skeleton: Skeleton, roles: Sequence[str]) -> tuple[int, ...]:
-    """Joint indices of all ``roles``; :class:`SkeletonError` names the first that is missing."""
-    joints: list[int] = []
-    for role in roles:
-        joint = find_role(skeleton, role)
-        if joint is None:
-            raise SkeletonError(f"found no joint for {role!r} among {', '.join(skeleton.names)}")
-        joints.append(joint)
-    return tuple(joints)
-
-
-def mirror_joints(skeleton: Skeleton) -> tuple[int, ...]:
-    """Each joint's twin on the other side, or itself: by ``left``/``right`` or ``l``/``r``."""
-    index = {name.lower(): j for j, name in enumerate(skeleton.names)}
-    twins: list[int] = []
-    for joint, name in enumerate(skeleton.names):
-        lower = name.lower()
-        twin = joint
-        for a, b in (("left", "right"), ("right", "left")):
-            if a in lower and lower.replace(a, b, 1) in index:
-                twin = index[lower.replace(a, b, 1)]
-        if twin == joint and lower[:1] in "lr":
-            twin = index.get({"l": "r", "r": "l"}[lower[0]] + lower[1:], joint)
-        twins.append(twin)
-    return tuple(twins)
-
-
-def _plain(name: str) -> str:
-    """Lower case, without a namespace such as ``mixamorig:`` and without separators."""
-    return "".join(c for c in name.rsplit(":", 1)[-1].lower() if c.isalnum())

@@ -15,9 +15,10 @@ import numpy as np
 
 from mgjax.clips.labels import validate_labels
 from mgjax.clips.types import ClipLike, Label, Labels, as_clips
+from mgjax.core.body.roles import require_roles
 from mgjax.core.errors import ConfigError, GraphError, SkeletonError
 from mgjax.core.motion import Motion, validate_motion
-from mgjax.core.skeleton import Skeleton, require_roles, validate_skeleton
+from mgjax.core.skeleton import Skeleton, validate_skeleton
 from mgjax.graph.assemble import assemble
 from mgjax.graph.config import GraphConfig, validate_graph_config
 from mgjax.graph.distance import normalised_weights

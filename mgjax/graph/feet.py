@@ -17,10 +17,11 @@ from jaxtyping import Bool, Float
 
 from mgjax.core import quaternion, two_bone
 from mgjax.core.arrays import Array
+from mgjax.core.body.roles import require_roles
 from mgjax.core.contacts import floor_steps, foot_joints, stays_planted
 from mgjax.core.errors import SkeletonError
 from mgjax.core.kinematics import forward
-from mgjax.core.skeleton import Skeleton, require_roles
+from mgjax.core.skeleton import Skeleton
 from mgjax.core.timing.easing import smoothstep
 
 SHORT_GAP = 1 / 6

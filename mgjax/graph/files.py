@@ -58,6 +58,7 @@ def save_graph(path: str | Path, graph: MotionGraph) -> None:
         "names": graph.skeleton.names,
         "parents": graph.skeleton.parents,
         "end_joints": graph.skeleton.end_joints,
+        "roles": graph.skeleton.roles,
     }
     save_arrays(Path(path) / FILE_NAME, arrays, metadata)
 
@@ -83,6 +84,7 @@ def load_graph(path: str | Path) -> MotionGraph:
             parents=tuple(tree["parents"]),
             offsets=arrays.pop("skeleton_offsets"),
             end_joints=tuple(tree["end_joints"]),
+            roles=tuple((role, joint) for role, joint in tree.get("roles", ())),
         )
         validate_skeleton(skeleton)
         plain = {name: metadata[name] for name in _PLAIN}

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mgjax.clips.prepare import PreparedClip, prepare_clips
+from mgjax.clips.prepare import PreparedClip, graph_skeleton, prepare_clips
 from mgjax.clips.types import Clip, Label, Labels
 from mgjax.core.contacts import foot_joints, planted
 from mgjax.core.skeleton import Skeleton
@@ -35,6 +35,7 @@ def make_timeline(
     clips: list[Clip], labels: Labels, skeleton: Skeleton, config: GraphConfig
 ) -> tuple[ClipTimeline, list[str]]:
     """Prepares clips and lays them out; notes say what was changed."""
+    skeleton = graph_skeleton(skeleton)
     prepared, notes = prepare_clips(
         clips, labels, skeleton=skeleton, frame_rate=config.frame_rate, mirrored=config.mirror
     )

@@ -2,64 +2,68 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 
-from mgjax.core.errors import ConfigError, FileFormatError
+from mgjax.core.errors import FileFormatError
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 from mgjax.io.acclaim.amc import find_asf, read_amc
 from mgjax.io.acclaim.asf import read_asf
 from mgjax.io.bvh.read import read_bvh
-from mgjax.io.units import Unit
+from mgjax.io.reading.capture import Capture
+from mgjax.io.reading.interpret import interpret
+from mgjax.io.reading.read_as import ReadAs, validate_read_as
 
 SUFFIXES = (".bvh", ".amc")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Capture:
-    """A file's skeleton and motion, and the unit it was found to be in."""
-
-    skeleton: Skeleton
-    motion: Motion
-    unit: Unit
-
-
 def load_motion(
-    path: str | Path, *, frame_rate: float | None = None, units: str | None = None
+    path: str | Path,
+    *,
+    frame_rate: float | None = None,
+    units: str | None = None,
+    read_as: ReadAs | None = None,
 ) -> tuple[Skeleton, Motion]:
     """Loads a ``.bvh`` file, or an ``.amc`` file with its ``.asf`` beside it.
 
-    No frame is dropped, repaired or refused. Arrays are NumPy float32, in metres and radians.
+    No frame is dropped, repaired or refused. Arrays are NumPy float32, in metres and radians, Y up,
+    with the floor at 0 where feet show where it is, and the hips as the root.
 
     Args:
         path: the file.
         frame_rate: frames per second at which the file was captured, instead of what it states
             (BVH) or of 120 (AMC states none). Frames stay as they are; see ``resample`` in
             :mod:`mgjax.core.motion` for another rate.
-        units: ``"m"``, ``"cm"`` or ``"cmu"`` for a BVH file; by default the one in which the rest
-            pose is nearest to 1.6 m tall.
+        units: ``"m"``, ``"cm"``, ``"mm"``, ``"dm"``, ``"in"``, ``"ft"`` or ``"cmu"``; by default
+            the unit in which the limbs are those of a body.
+        read_as: whatever else is known of the file.
 
     Raises:
         FileFormatError: with file, line, what was got and what was expected.
+        ConfigError: an argument means nothing.
     """
-    capture = read_capture(path, frame_rate=frame_rate, units=units)
+    read_as = read_as or ReadAs()
+    read_as = replace(
+        read_as,
+        units=read_as.units if units is None else units,
+        frame_rate=read_as.frame_rate if frame_rate is None else frame_rate,
+    )
+    capture = read_capture(path, read_as)
     return capture.skeleton, capture.motion
 
 
-def read_capture(
-    path: str | Path, *, frame_rate: float | None = None, units: str | None = None
-) -> Capture:
-    """Like :func:`load_motion`, with the unit that was found."""
-    if frame_rate is not None and not 0 < frame_rate <= 10000:
-        raise ConfigError(f"frame rate is {frame_rate}, expected more than 0 and at most 10000")
+def read_capture(path: str | Path, read_as: ReadAs | None = None) -> Capture:
+    """Like :func:`load_motion`, with what was found about unit, axes, floor and root."""
+    read_as = read_as or ReadAs()
+    validate_read_as(read_as)
     suffix = Path(path).suffix.lower()
     if suffix == ".bvh":
-        skeleton, motion, unit = read_bvh(path, frame_rate=frame_rate, units=units)
+        raw = read_bvh(path)
     elif suffix == ".amc":
-        asf = read_asf(find_asf(path))
-        skeleton, unit = asf.skeleton, asf.unit
-        motion = read_amc(path, asf, frame_rate=frame_rate)
+        raw = read_amc(path, read_asf(read_as.asf or find_asf(path), read_as.units))
     else:
         raise FileFormatError(path, None, f"a file of type {suffix!r}", "one of .bvh, .amc")
-    return Capture(skeleton=skeleton, motion=motion, unit=unit)
+    if read_as.frame_rate is not None:
+        raw = replace(raw, frame_rate=float(read_as.frame_rate))
+    return interpret(raw, read_as)

@@ -16,8 +16,8 @@ from mgjax.avoidance.config import BALL_RADIUS_M
 from mgjax.avoidance.coverage.shares import cells, outcomes, worst_cells
 from mgjax.avoidance.coverage.throws import Coverage
 from mgjax.core import planar
+from mgjax.core.body.roles import require_roles
 from mgjax.core.kinematics import forward
-from mgjax.core.skeleton import require_roles
 from mgjax.graph.types import MotionGraph
 from mgjax.pictures.coverage_map import frame_cell, heat_map
 

@@ -24,10 +24,11 @@ from jaxtyping import Float
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core import quaternion
 from mgjax.core.arrays import Array
+from mgjax.core.body.roles import find_role, require_roles
 from mgjax.core.errors import SkeletonError
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
-from mgjax.core.skeleton import Skeleton, find_role, require_roles, rest_positions
+from mgjax.core.skeleton import Skeleton, rest_positions
 from mgjax.sensor.bone_table import (
     BONES,
     HUMAN_BONES,

@@ -191,7 +191,7 @@ def test_only_the_legs_decide():
     np.testing.assert_array_equal(clip.motion.root_translation, motion.root_translation)
 
 
-def test_skeletons_without_named_legs_are_not_scaled():
+def test_skeletons_without_known_legs_are_not_scaled():
     names = tuple(f"j{i}" for i in range(BODY.num_joints))
     one, two = replace(BODY, names=names), replace(scaled(2.0), names=names)
     clip = Clip(name="c", skeleton=one, motion=calm())
@@ -205,8 +205,19 @@ def test_what_is_refused():
     with pytest.raises(SkeletonError, match="c: got joint 'skull' where the reference has 'head'"):
         prepare_clips([clip], {}, skeleton=BODY, frame_rate=30.0, mirrored=False)
     offsets = np.zeros((60, BODY.num_joints, 3), np.float32)
-    with pytest.raises(MotionError, match="c: got bones of changing length, expected rigid bones"):
+    offsets[:] = BODY.offsets
+    offsets[30, 4, 0] += 0.1
+    message = f"c: got '{BODY.names[4]}' moving by up to 0.10 m in its parent's frame, expected"
+    with pytest.raises(MotionError, match=message):
         prepare(replace(calm(), joint_offsets=offsets))
+
+
+def test_a_joint_that_slides_a_little_is_held_still():
+    offsets = np.tile(BODY.offsets, (60, 1, 1))
+    offsets[:20, 4, 0] += 0.02
+    (prepared,), notes = prepare(replace(calm(), joint_offsets=offsets))
+    assert prepared.motion.joint_offsets is None
+    assert any("1 joints slide in their parent's frame by up to 2.0 cm" in n for n in notes)
 
 
 @pytest.mark.parametrize(

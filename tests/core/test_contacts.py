@@ -1,13 +1,12 @@
 from __future__ import annotations
 
-from dataclasses import replace
-
 import jax
 import numpy as np
 import pytest
 
 from mgjax.core.contacts import foot_joints, planted
 from mgjax.core.errors import SkeletonError
+from mgjax.core.skeleton import Skeleton
 
 
 def test_planted_worked_by_hand():
@@ -44,6 +43,6 @@ def test_jit_agrees():
 
 def test_foot_joints(body):
     assert foot_joints(body) == (body.index("ltoes"), body.index("rtoes"))
-    names = tuple(n.replace("toes", "tip").replace("foot", "paw") for n in body.names)
+    trunk = Skeleton(names=body.names[:3], parents=body.parents[:3], offsets=body.offsets[:3])
     with pytest.raises(SkeletonError, match="left_ankle"):
-        foot_joints(replace(body, names=names))
+        foot_joints(trunk)

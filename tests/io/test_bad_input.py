@@ -182,9 +182,6 @@ BVH_CASES = {
     "frames negative": ("Frames: 3", "Frames: -3", FRAMES, "'-3'", "1 or more"),
     "frames superscript": ("Frames: 3", "Frames: ³", FRAMES, "'\\xb3'", "1 or more"),
     "frames missing": ("Frames: 3\n", "", FRAMES, "'Frame Time: 0.0083333'", "Frames:"),
-    "frames too many": ("Frames: 3", "Frames: 4", LINES, "3 rows and 0 values", "the 4 rows of 15"),
-    "frames too few": ("Frames: 3", "Frames: 2", LINES, "3 rows and 0 values", "the 2 rows of 15"),
-    "frames 10^12": ("Frames: 3", "Frames: 999999999999", LINES, "3 rows", "999999999999 rows"),
     "frames 10^5000": ("Frames: 3", "Frames: " + "9" * 5000, FRAMES, "'9999", "a number of frames"),
     "time missing": ("Frame Time: 0.0083333\n", "", TIME, "'0.0 90.0 0.0 0.0", "Frame Time:"),
     "time no number": (

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 from mgjax.avoidance.body.spheres import BodySpheres, preset_spheres, sphere_centres
 from mgjax.avoidance.config import SpeedConfig
 from mgjax.core import planar
-from mgjax.core.skeleton import require_roles
+from mgjax.core.body.roles import require_roles
 from mgjax.graph.types import MotionGraph
 
 END_EFFECTORS = ("left_wrist", "right_wrist", "left_ankle", "right_ankle")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -58,12 +58,7 @@ def graph_poses(graph: MotionGraph, spheres: BodySpheres) -> GraphPoses:
     """Puts the poses of a graph and the spheres of its body on the device."""
     skeleton = graph.skeleton
     return GraphPoses(
-        skeleton=Skeleton(
-            names=skeleton.names,
-            parents=skeleton.parents,
-            offsets=jnp.asarray(skeleton.offsets, dtype=jnp.float32),
-            end_joints=skeleton.end_joints,
-        ),
+        skeleton=replace(skeleton, offsets=jnp.asarray(skeleton.offsets, dtype=jnp.float32)),
         root=jnp.asarray(graph.root_translation, dtype=jnp.float32),
         rotations=jnp.asarray(graph.local_rotations, dtype=jnp.float32),
         first=jnp.asarray(spheres.first, dtype=jnp.int32),

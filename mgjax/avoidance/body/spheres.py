@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.core.arrays import Array
-from mgjax.core.skeleton import Skeleton, find_role, require_roles, rest_positions
+from mgjax.core.body.height import body_height
+from mgjax.core.body.roles import find_role, require_roles
+from mgjax.core.skeleton import Skeleton
 
 PRESET_HEIGHT_M = 1.7
 
@@ -56,13 +58,15 @@ class BodySpheres:
 def preset_spheres(skeleton: Skeleton) -> BodySpheres:
     """30 spheres for head, neck, torso, arms, hands, legs and feet, scaled to the skeleton.
 
-    Works on every skeleton whose joints have the usual names (CMU, its BVH conversions, Mixamo);
+    Works on every human body, whatever its joints are called and its rest pose looks like;
     :class:`SkeletonError` names what is missing. Hands, toes and the top of the head fall back to
-    the end of their bone, and to the joint itself where there is none.
+    the end of their bone, and to the joint itself where there is none; a neck to the head, a head
+    to the chest.
     """
-    skeleton = replace(skeleton, offsets=np.asarray(skeleton.offsets, dtype=np.float32))
-    height = float(np.ptp(rest_positions(skeleton)[:, 1]))
-    scale = height / PRESET_HEIGHT_M if height > 0.1 else 1.0
+    height = body_height(skeleton)
+    if height is None:
+        require_roles(skeleton, ("left_hip",))
+    scale = (height or PRESET_HEIGHT_M) / PRESET_HEIGHT_M
     rows: list[tuple[str, int, int, float, float]] = []
     for a, b, share, radius in _PRESET:
         for side in ("left", "right") if "@" in a else ("",):
@@ -79,6 +83,7 @@ def preset_spheres(skeleton: Skeleton) -> BodySpheres:
 
 
 _FALLBACKS = {"head_end": "head", "hand": "wrist", "toe": "ankle"}
+_NEXT = {"neck": "head", "head": "chest"}
 
 
 def _joint(skeleton: Skeleton, role: str) -> int:
@@ -88,8 +93,10 @@ def _joint(skeleton: Skeleton, role: str) -> int:
         if own is not None:
             return own
         base = _FALLBACKS[part] if not side else f"{side}_{_FALLBACKS[part]}"
-        (joint,) = require_roles(skeleton, (base,))
+        joint = _joint(skeleton, base)
         return next((j for j in skeleton.end_joints if skeleton.parents[j] == joint), joint)
+    while find_role(skeleton, role) is None and role in _NEXT:
+        role = _NEXT[role]
     return require_roles(skeleton, (role,))[0]
 
 

@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 
 from mgjax.avoidance.coverage.shares import cells, outcomes, shares, worst_cells
 from mgjax.avoidance.coverage.throws import Coverage
+from mgjax.core.body.height import body_height
 from mgjax.graph.types import MotionGraph
 
 COMPASS = (
@@ -91,13 +92,13 @@ def _regions(graph: MotionGraph, result: Coverage) -> list[dict[str, Any]]:
 
     A direction half-way between two points counts for both.
     """
-    rest = graph.skeleton.rest_height()
+    tall = body_height(graph.skeleton) or 0.0
     rows: list[dict[str, Any]] = []
     for number, word in enumerate(COMPASS):
         off = np.abs((np.degrees(result.directions) - 45 * number + 180) % 360 - 180)
         from_there = (off <= 22.5 + 1e-6)[result.direction]
         for band, (low, high) in BANDS.items():
-            within = (result.heights >= low * rest) & (result.heights < high * rest)
+            within = (result.heights >= low * tall) & (result.heights < high * tall)
             mask = from_there & within[result.height]
             if mask.any():
                 heights = result.heights[within]

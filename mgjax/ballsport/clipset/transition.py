@@ -14,10 +14,11 @@ from mgjax.ballsport.clipset.build import ClipSet
 from mgjax.ballsport.config import TransitionConfig, validate_transition
 from mgjax.core import planar
 from mgjax.core.arrays import Array
+from mgjax.core.body.roles import require_roles
 from mgjax.core.contacts import foot_joints
 from mgjax.core.errors import ConfigError
 from mgjax.core.kinematics import joint_velocities
-from mgjax.core.skeleton import Skeleton, require_roles
+from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.padding import bucket_size
 
 NO_SECTION = -1

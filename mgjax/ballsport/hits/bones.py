@@ -14,9 +14,10 @@ from mgjax.ballsport.hits.detect import Hit, hit_joint, mark, sections
 from mgjax.ballsport.hits.motion_vectors import MotionVectors, motion_vector
 from mgjax.ballsport.hits.smoothing import half_width
 from mgjax.ballsport.hits.stream import HitStream
+from mgjax.core.body.roles import require_roles
 from mgjax.core.errors import MotionError
 from mgjax.core.kinematics import planar_frames
-from mgjax.core.skeleton import Skeleton, require_roles
+from mgjax.core.skeleton import Skeleton
 
 
 @dataclass(frozen=True, kw_only=True)

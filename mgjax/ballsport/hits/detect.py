@@ -10,9 +10,10 @@ from jaxtyping import Float, Int
 
 from mgjax.ballsport.config import AnalysisConfig, hit_bone, validate_analysis
 from mgjax.ballsport.hits.smoothing import smooth
+from mgjax.core.body.roles import find_role, require_roles
 from mgjax.core.errors import MotionError
 from mgjax.core.kinematics import joint_velocities
-from mgjax.core.skeleton import Skeleton, find_role, require_roles
+from mgjax.core.skeleton import Skeleton
 
 NO_FRAME = -1
 """Where a hit has no F_S on one side."""

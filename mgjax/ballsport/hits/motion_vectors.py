@@ -13,9 +13,10 @@ from mgjax.ballsport.hits.detect import Hit
 from mgjax.ballsport.hits.smoothing import smooth
 from mgjax.core import planar
 from mgjax.core.arrays import Array
+from mgjax.core.body.roles import require_roles
 from mgjax.core.errors import SkeletonError
 from mgjax.core.kinematics import joint_velocities
-from mgjax.core.skeleton import Skeleton, require_roles, rest_positions
+from mgjax.core.skeleton import Skeleton, rest_positions
 from mgjax.core.xla.pytree import register
 
 

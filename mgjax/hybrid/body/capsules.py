@@ -8,7 +8,8 @@ from typing import TypeAlias
 import numpy as np
 from jaxtyping import Float, Int
 
-from mgjax.core.skeleton import Skeleton, find_role
+from mgjax.core.body.roles import find_role
+from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid.ik.limbs import ARMS, HEAD, LimbType, find_limb
 
 _RADII_M = {

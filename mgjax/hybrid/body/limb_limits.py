@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.core import quaternion
-from mgjax.core.skeleton import Skeleton, find_role, require_roles, rest_positions
+from mgjax.core.body.roles import find_role, require_roles
+from mgjax.core.skeleton import Skeleton, rest_positions
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.ik.joint_limits import JointLimits, joint_limits, swing_twist
 from mgjax.hybrid.ik.limbs import ARMS, LIMBS, Limb, find_limb

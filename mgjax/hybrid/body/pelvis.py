@@ -8,9 +8,10 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core import quaternion, two_bone
+from mgjax.core.body.roles import require_roles
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
-from mgjax.core.skeleton import Skeleton, require_roles
+from mgjax.core.skeleton import Skeleton
 
 _MOVED_M = 1e-4
 """A pelvis that is less far down stays as it is."""

@@ -14,7 +14,8 @@ from jaxtyping import Float
 
 from mgjax.core import kinematics, quaternion
 from mgjax.core.arrays import Array
-from mgjax.core.skeleton import Skeleton, find_role
+from mgjax.core.body.roles import find_role
+from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.padding import pad_axis
 from mgjax.hybrid.ik import tree_steps as steps
 from mgjax.hybrid.ik.joint_limits import JointLimits, clamp, from_swing_twist

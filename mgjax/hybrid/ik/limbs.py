@@ -9,8 +9,9 @@ from typing import Literal
 
 import numpy as np
 
+from mgjax.core.body.roles import find_role
 from mgjax.core.errors import SkeletonError
-from mgjax.core.skeleton import Skeleton, find_role
+from mgjax.core.skeleton import Skeleton
 
 
 class LimbKind(Enum):

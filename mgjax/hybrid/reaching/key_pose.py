@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from mgjax.core.body.roles import require_roles
 from mgjax.core.kinematics import forward
-from mgjax.core.skeleton import require_roles
 from mgjax.hybrid.body.capsules import arm_clearance
 from mgjax.hybrid.body.rig import (
     LimbRig,

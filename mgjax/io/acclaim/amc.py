@@ -8,9 +8,9 @@ import numpy as np
 
 from mgjax.core import quaternion
 from mgjax.core.errors import FileFormatError
-from mgjax.core.motion import Motion
 from mgjax.io.acclaim.asf import AsfFile
 from mgjax.io.acclaim.sections import ROOT
+from mgjax.io.reading.raw import RawMotion
 from mgjax.io.text import (
     MAX_PLACE_M,
     check_size,
@@ -27,32 +27,37 @@ DEFAULT_FRAME_RATE = 120.0
 
 
 def find_asf(amc: str | Path) -> Path:
-    """The ASF file of an AMC file: named like its prefix (14_02.amc: 14.asf), else the only one."""
+    """The ASF file of an AMC file: the one whose name is its longest prefix, else the only one.
+
+    ``14_02.amc`` has ``14.asf``; ``HDM_aa_walk_001.amc`` has ``HDM_aa.asf``; one with the whole
+    name comes last. Capitals make no difference.
+    """
     amc = Path(amc)
-    folder = amc.parent
-    named = folder / f"{amc.stem.split('_')[0]}.asf"
     try:
-        if named.is_file():
-            return named
         amc.stat()
-        beside = sorted(p for p in folder.iterdir() if p.suffix.lower() == ".asf")
+        beside = sorted(p for p in amc.parent.iterdir() if p.suffix.lower() == ".asf")
     except (OSError, ValueError) as error:
         raise FileFormatError(amc, None, reason(error), "a readable AMC file") from None
+    words = amc.stem.lower().split("_")
+    prefixes = ["_".join(words[:count]) for count in range(len(words) - 1, 0, -1)]
+    prefixes.append(amc.stem.lower())
+    stems = {p.stem.lower(): p for p in beside}
+    named = next((stems[prefix] for prefix in prefixes if prefix in stems), None)
+    if named is not None:
+        return named
     if len(beside) != 1:
         names = ", ".join(p.name for p in beside) or "none"
         raise FileFormatError(
-            amc, None, f"{names} beside it", f"{named.name} or a single .asf file"
+            amc, None, f"{names} beside it", f"{words[0]}.asf or a single .asf file"
         )
     return beside[0]
 
 
-def read_amc(path: str | Path, asf: AsfFile, *, frame_rate: float | None = None) -> Motion:
-    """Reads an AMC motion for an ASF skeleton.
+def read_amc(path: str | Path, asf: AsfFile) -> RawMotion:
+    """Reads an AMC motion for an ASF skeleton, at 120 fps: AMC files state no rate.
 
-    Args:
-        path: the file.
-        asf: its skeleton.
-        frame_rate: frames per second; AMC files state none, 120 is usual.
+    Raises:
+        FileFormatError: names file and line, what stands there and what was expected.
     """
     columns, values, degrees = _read_frames(path, read_text(path, "AMC").rstrip(), asf)
     scale = np.pi / 180 if degrees else 1.0
@@ -81,10 +86,19 @@ def read_amc(path: str | Path, asf: AsfFile, *, frame_rate: float | None = None)
                     got = f"root {name} {block[np.argmax(far), i]:.3g} in frame {np.argmax(far)}"
                     raise FileFormatError(path, None, got, f"at most {MAX_PLACE_M:g} m")
                 root[:, "xyz".index(name[1])] += block[:, i] * asf.unit.metres
-    return Motion(
-        root_translation=root.astype(np.float32),
-        local_rotations=rotations.astype(np.float32),
-        frame_rate=float(frame_rate or DEFAULT_FRAME_RATE),
+    return RawMotion(
+        path=Path(path),
+        names=skeleton.names,
+        parents=skeleton.parents,
+        end_joints=skeleton.end_joints,
+        offsets=np.asarray(skeleton.offsets, dtype=np.float64) / asf.unit.metres,
+        lines=(0,) * skeleton.num_joints,
+        root=root / asf.unit.metres,
+        rotations=rotations,
+        moving=None,
+        frame_rate=DEFAULT_FRAME_RATE,
+        unit=asf.unit,
+        settled=True,
     )
 
 

@@ -28,11 +28,11 @@ from mgjax.io.acclaim.sections import (
     read_units,
     sections,
 )
+from mgjax.io.reading.units import UNITS, Unit
 from mgjax.io.text import (
     quoted,
     read_text,
 )
-from mgjax.io.units import Unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,10 +47,15 @@ class AsfFile:
     root_position: np.ndarray
 
 
-def read_asf(path: str | Path) -> AsfFile:
-    """Reads an ASF skeleton; :class:`FileFormatError` names file and line of what is wrong."""
+def read_asf(path: str | Path, units: str | None = None) -> AsfFile:
+    """Reads an ASF skeleton; :class:`FileFormatError` names file and line of what is wrong.
+
+    Args:
+        path: the file.
+        units: a key of :data:`mgjax.io.reading.units.UNITS`, instead of the length it states.
+    """
     lines = bare_lines(path, read_text(path, "ASF"))
-    units = {"length": 1.0, "angle": "deg"}
+    stated = {"length": 1.0, "angle": "deg"}
     root = Bone(name=ROOT, line=1)
     root.dof = ["tx", "ty", "tz", "rx", "ry", "rz"]
     bones: dict[str, Bone] = {}
@@ -59,7 +64,7 @@ def read_asf(path: str | Path) -> AsfFile:
     for section, body in sections(path, lines):
         seen.add(section)
         if section == "units":
-            read_units(path, body, units)
+            read_units(path, body, stated)
         elif section == "root":
             read_root(path, body, root)
         elif section == "bonedata":
@@ -69,9 +74,10 @@ def read_asf(path: str | Path) -> AsfFile:
     for section in ("root", "bonedata", "hierarchy"):
         if section not in seen:
             raise FileFormatError(path, lines[-1][0], f"no section :{section}", "a whole ASF file")
-    metres = 0.0254 / float(units["length"])
-    unit = Unit(name=f"inch / {units['length']:g} (as stated)", metres=metres)
-    return _assemble(Path(path), root, bones, tree, unit, str(units["angle"]))
+    metres = 0.0254 / float(stated["length"])
+    unit = Unit(name=f"inch / {stated['length']:g} (as stated)", metres=metres)
+    unit = UNITS[units] if units is not None else unit
+    return _assemble(Path(path), root, bones, tree, unit, str(stated["angle"]))
 
 
 def _assemble(

@@ -12,17 +12,17 @@ this one anyhow; the library is the oracle in the tests instead.
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from mgjax.core import quaternion
 from mgjax.core.errors import FileFormatError
-from mgjax.core.motion import Motion
-from mgjax.core.skeleton import MAX_OFFSET_M, Skeleton
 from mgjax.io.bvh.hierarchy import BvhJoint, read_hierarchy
+from mgjax.io.reading.raw import RawMotion
+from mgjax.io.reading.units import UNITS
 from mgjax.io.text import (
-    MAX_PLACE_M,
     check_size,
     is_count,
     is_plain,
@@ -31,23 +31,22 @@ from mgjax.io.text import (
     read_text,
     split_lines,
 )
-from mgjax.io.units import UNITS, Unit, find_unit
+
+STILL = 1e-5
+"""Position channels that change by less than this share of the longest bone do not move."""
 
 _COMMON_RATES = (24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
 
 
-def read_bvh(
-    path: str | Path, *, frame_rate: float | None = None, units: str | None = None
-) -> tuple[Skeleton, Motion, Unit]:
-    """Reads a BVH file.
+MARK = "HIERARCHY \t "
+"""First line of a file that ``save_bvh`` wrote: centimetres, Y up, floor at 0. Blanks at the end of
+a line are nothing to other tools, and without them the same is found in the motion."""
 
-    Args:
-        path: the file.
-        frame_rate: frames per second, instead of what the file states.
-        units: ``"m"``, ``"cm"`` or ``"cmu"``, instead of the unit that makes the rest pose a body.
 
-    Returns:
-        Skeleton (m), motion (m, rad) and the unit the file was found to be in.
+def read_bvh(path: str | Path) -> RawMotion:
+    """Reads a BVH file, its numbers as they are.
+
+    Rows count, not the number of frames that is stated: where they differ, a note says so.
 
     Raises:
         FileFormatError: names file and line, what stands there and what was expected.
@@ -61,39 +60,14 @@ def read_bvh(
     channels = sum(len(j.channels) for j in joints)
     if not channels:
         raise FileFormatError(path, start + 1, "a hierarchy without channels", "CHANNELS")
-    values = _read_rows(path, lines, first, count, channels)
-    check_size(path, count, len(joints))
-
-    offsets = np.array([j.offset for j in joints], dtype=np.float64)
-    smallest = min(UNITS.values(), key=lambda u: u.metres)
-    _check_offsets(path, joints, offsets, UNITS.get(units or "", smallest))
-    unit = find_unit(offsets, tuple(j.parent for j in joints), units)
-    _check_offsets(path, joints, offsets, unit)
-    positions = np.array([kind == "position" for j in joints for _, kind in j.channels])
-    far = (np.abs(values) > MAX_PLACE_M / unit.metres) & positions
-    if far.any():
-        frame = int(np.argmax(far.any(axis=1)))
-        got = f"a position of {values[frame, int(np.argmax(far[frame]))]:.3g} in frame {frame}"
-        raise FileFormatError(path, None, got, f"at most {MAX_PLACE_M:g} m (unit: {unit.name})")
-    skeleton, motion = _assemble(joints, offsets * unit.metres, values, unit.metres)
-    _check_offsets(path, joints, np.asarray(skeleton.offsets, np.float64), UNITS["m"])
-    rate = frame_rate if frame_rate is not None else _stated_rate(period)
-    return skeleton, Motion(**motion, frame_rate=float(rate)), unit
-
-
-def _check_offsets(
-    path: str | Path, joints: list[BvhJoint], offsets: np.ndarray, unit: Unit
-) -> None:
-    too_long = np.flatnonzero(np.abs(offsets).max(axis=1) > MAX_OFFSET_M / unit.metres)
-    if too_long.size:
-        joint = joints[int(too_long[0])]
-        length = float(np.abs(offsets[too_long[0]]).max()) * unit.metres
-        raise FileFormatError(
-            path,
-            joint.offset_line,
-            f"an offset of {length:.3g} m for {quoted(joint.name)}",
-            f"at most {MAX_OFFSET_M:g} m (the unit was taken to be the {unit.name})",
-        )
+    values = _read_rows(path, lines, first, channels)
+    notes: list[str] = []
+    if len(values) != count:
+        notes.append(f"{len(values)} rows where {count} frames are stated; all rows were taken")
+    check_size(path, len(values), len(joints))
+    marked = lines[0] == MARK
+    raw = _assemble(Path(path), joints, values, _stated_rate(period))
+    return replace(raw, unit=UNITS["cm"] if marked else None, settled=marked, notes=tuple(notes))
 
 
 def _read_motion_header(
@@ -122,34 +96,35 @@ def _read_motion_header(
     return int(count), (period, time), at
 
 
-def _read_rows(
-    path: str | Path, lines: list[str], first: int, frames: int, channels: int
-) -> np.ndarray:
+def _read_rows(path: str | Path, lines: list[str], first: int, channels: int) -> np.ndarray:
     """[frames, channels]; rows may be wrapped, but the numbers must come out even."""
     text = " ".join(lines[first:])
-    tokens = text.split()
-    if len(tokens) != frames * channels:
-        got, rest = divmod(len(tokens), max(channels, 1))
-        for number, line in enumerate(lines[first:], first + 1):
-            if rest and (size := len(line.split())) not in (0, channels):
-                raise FileFormatError(path, number, f"{size} values", f"{channels} in each row")
-        raise FileFormatError(
-            path,
-            len(lines),
-            f"{got} rows and {rest} values",
-            f"the {frames} rows of {channels} stated",
-        )
-    finite = is_plain(text)
-    try:
-        values = np.array(tokens, dtype=np.float64)
-        finite = finite and bool(np.isfinite(values).all())
-    except ValueError:
-        finite = False
-    if not finite:
+    values = _numbers(text)
+    if values is None:
         for number, line in enumerate(lines[first:], first + 1):
             for token in line.split():
                 parse_number(path, number, token, "a channel")
-    return values.reshape(frames, channels)  # pyright: ignore[reportPossiblyUnboundVariable]
+        raise FileFormatError(path, first + 1, "what is no number", "numbers")
+    got, rest = divmod(len(values), channels)
+    if rest:
+        for number, line in enumerate(lines[first:], first + 1):
+            if (size := len(line.split())) not in (0, channels):
+                raise FileFormatError(path, number, f"{size} values", f"{channels} in each row")
+    if rest or not got:
+        said = f"{got} rows and {rest} values"
+        raise FileFormatError(path, len(lines), said, f"rows of {channels} values")
+    return values.reshape(got, channels)
+
+
+def _numbers(text: str) -> np.ndarray | None:
+    """All numbers of a text, or None where something in it is no finite number."""
+    if not is_plain(text):
+        return None
+    try:
+        values = np.array(text.split(), dtype=np.float64)
+    except ValueError:
+        return None
+    return values if np.isfinite(values).all() else None
 
 
 def _stated_rate(period: tuple[float, str]) -> float:
@@ -172,12 +147,13 @@ def _stated_rate(period: tuple[float, str]) -> float:
 
 
 def _assemble(
-    joints: list[BvhJoint], offsets: np.ndarray, values: np.ndarray, metres: float
-) -> tuple[Skeleton, dict]:
+    path: Path, joints: list[BvhJoint], values: np.ndarray, frame_rate: float
+) -> RawMotion:
     frames = len(values)
+    offsets = np.array([j.offset for j in joints], dtype=np.float64)
     rotations = np.zeros((frames, len(joints), 4))
     rotations[..., 0] = 1
-    moving = np.broadcast_to(offsets, (frames, *offsets.shape)).copy()
+    places: dict[int, np.ndarray] = {}
     column = 0
     for index, joint in enumerate(joints):
         block = values[:, column : column + len(joint.channels)]
@@ -186,24 +162,33 @@ def _assemble(
         order = "".join(joint.channels[i][0] for i in turns)
         if turns:
             rotations[:, index] = quaternion.from_euler(np.deg2rad(block[:, turns]), order)
-        for i, (axis, kind) in enumerate(joint.channels):
-            if kind == "position":
-                moving[:, index, "XYZ".index(axis)] = block[:, i] * metres
-    root = moving[:, 0].copy()
-    moving[:, 0] = offsets[0]
+        moves = [i for i, (_, kind) in enumerate(joint.channels) if kind == "position"]
+        if moves:
+            places[index] = np.tile(offsets[index], (frames, 1))
+            axes = ["XYZ".index(joint.channels[i][0]) for i in moves]
+            places[index][:, axes] = block[:, moves]
+    # Where position channels move the root, its OFFSET is a place and no bone.
+    root = places.pop(0, np.tile(offsets[0], (frames, 1)))
+    offsets[0] = 0
+    still = STILL * max(float(np.abs(offsets).max()), 1e-9)
     # Position channels that never change are just another way to write the offset. Where they do
     # change, the offset stays what the file says: the rest pose, not the place in frame 0.
-    still = (np.ptp(moving, axis=0) <= 1e-6).all(axis=1)
-    rigid = bool(still.all())
-    skeleton = Skeleton(
+    for index, place in places.items():
+        if (np.ptp(place, axis=0) <= still).all():
+            offsets[index] = place[0]
+    moved = {j: place for j, place in places.items() if (np.ptp(place, axis=0) > still).any()}
+    moving = np.tile(offsets, (frames, 1, 1)) if moved else None
+    for index, place in moved.items():
+        moving[:, index] = place  # type: ignore[index]
+    return RawMotion(
+        path=path,
         names=tuple(j.name for j in joints),
         parents=tuple(j.parent for j in joints),
-        offsets=np.where(still[:, None], moving[0], offsets).astype(np.float32),
         end_joints=tuple(i for i, j in enumerate(joints) if j.is_end),
+        offsets=offsets,
+        lines=tuple(j.offset_line for j in joints),
+        root=root,
+        rotations=rotations,
+        moving=moving,
+        frame_rate=frame_rate,
     )
-    motion = {
-        "root_translation": root.astype(np.float32),
-        "local_rotations": rotations.astype(np.float32),
-        "joint_offsets": None if rigid else moving.astype(np.float32),
-    }
-    return skeleton, motion

@@ -10,6 +10,7 @@ from mgjax.core import quaternion
 from mgjax.core.errors import MotionError, SkeletonError
 from mgjax.core.motion import Motion, validate_motion
 from mgjax.core.skeleton import Skeleton, validate_skeleton
+from mgjax.io.bvh.read import MARK
 from mgjax.io.output import replace_file
 from mgjax.io.text import (
     quoted,
@@ -19,6 +20,10 @@ from mgjax.io.text import (
 
 def save_bvh(path: str | Path, skeleton: Skeleton, motion: Motion) -> None:
     """Writes a BVH file in centimetres, rotation channels Z Y X; reading it back gives the motion.
+
+    Angles go on from frame to frame. The root has no OFFSET, since some tools add it to the
+    position and others do not. The first line says, in blanks at its end, that unit, up axis and
+    floor are known.
 
     Raises:
         SkeletonError: the skeleton is not valid, or has a name that BVH cannot hold.
@@ -31,18 +36,21 @@ def save_bvh(path: str | Path, skeleton: Skeleton, motion: Motion) -> None:
         if not name or name != " ".join(split_braces(name)) or set(name) & set("{}"):
             raise SkeletonError(f"joint name {quoted(name)}, expected one without braces or breaks")
     offsets = np.asarray(skeleton.offsets, dtype=np.float64) * 100
+    offsets[0] = 0
     if motion.joint_offsets is not None and skeleton.end_joints:
         ends = list(skeleton.end_joints)
         places = np.asarray(motion.joint_offsets, dtype=np.float64)[:, ends]
         if (np.ptp(places, axis=0) > 1e-6).any():
             raise MotionError("an end joint moves in its parent's frame; BVH cannot say so")
         offsets[ends] = places[0] * 100
-    lines = ["HIERARCHY"]
+    lines = [MARK]
     columns: list[np.ndarray] = []
     children: dict[int, list[int]] = {}
     for joint, parent in enumerate(skeleton.parents):
         children.setdefault(parent, []).append(joint)
-    degrees = np.rad2deg(quaternion.to_euler_zyx(np.asarray(motion.local_rotations, np.float64)))
+    degrees = np.rad2deg(
+        _continuous(quaternion.to_euler_zyx(np.asarray(motion.local_rotations, np.float64)))
+    )
     end_joints = set(skeleton.end_joints)
 
     def write(joint: int, indent: str) -> None:
@@ -69,3 +77,21 @@ def save_bvh(path: str | Path, skeleton: Skeleton, motion: Motion) -> None:
     form = " ".join(["%.6f"] * rows.shape[1])
     lines += [form % tuple(row) for row in rows.tolist()]
     replace_file(path, "\n".join(lines) + "\n")
+
+
+def _continuous(angles: np.ndarray) -> np.ndarray:
+    """Angles Z Y X that go on from frame to frame. [F,J,3], rad
+
+    A rotation has two forms, (z, y, x) and (z + π, π − y, x + π), each up to whole turns. From a
+    frame to the next, the nearer form is taken: whether to change forms depends on both frames, and
+    which form each frame has on how many changes came before.
+    """
+    turn = 2 * np.pi
+    other = np.stack([angles[..., 0] + np.pi, np.pi - angles[..., 1], angles[..., 2] + np.pi], -1)
+
+    def far(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return np.abs((a - b + np.pi) % turn - np.pi).sum(axis=-1)
+
+    changes = far(other[1:], angles[:-1]) < far(angles[1:], angles[:-1])
+    odd = np.concatenate([np.zeros_like(changes[:1]), np.cumsum(changes, axis=0) % 2 == 1])
+    return np.unwrap(np.where(odd[..., None], other, angles), axis=0)

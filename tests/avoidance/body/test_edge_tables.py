@@ -5,8 +5,8 @@ import pytest
 
 from mgjax.avoidance.body.edge_tables import END_EFFECTORS, EdgeTables, edge_tables
 from mgjax.core import planar
+from mgjax.core.body.roles import require_roles
 from mgjax.core.kinematics import planar_frames
-from mgjax.core.skeleton import require_roles
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import unroll
 from tests.avoidance.made import make_graph, random_graph

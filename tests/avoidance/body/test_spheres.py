@@ -8,8 +8,10 @@ import pytest
 
 from mgjax.avoidance.body.spheres import PRESET_HEIGHT_M, preset_spheres, sphere_centres
 from mgjax.clips.synthetic import synthetic_skeleton
+from mgjax.core.body.height import body_height
+from mgjax.core.body.mirrored import mirror_joints
 from mgjax.core.errors import SkeletonError
-from mgjax.core.skeleton import Skeleton, mirror_joints, rest_positions
+from mgjax.core.skeleton import Skeleton, rest_positions
 from mgjax.io.load import load_motion
 from tests.reference import avoidance as reference
 
@@ -87,7 +89,8 @@ def test_scales_with_the_body() -> None:
     a, b = preset_spheres(skeleton), preset_spheres(large)
     np.testing.assert_allclose(b.radii, 1.5 * a.radii, rtol=1e-5)
     np.testing.assert_array_equal(b.share, a.share)
-    height = np.ptp(rest_positions(skeleton)[:, 1])
+    height = body_height(skeleton)
+    assert height == pytest.approx(1.7, abs=0.08)
     head = a.radii[a.names.index("head-head_end 0.50")]
     np.testing.assert_allclose(head, 0.115 * height / PRESET_HEIGHT_M, rtol=1e-5)
 
@@ -96,12 +99,20 @@ def test_missing_roles_are_named(body: Skeleton) -> None:
     with pytest.raises(SkeletonError, match=r"neck|elbow|wrist") as caught:
         preset_spheres(body)
     assert "\n" not in str(caught.value)
-    renamed = replace(
-        synthetic_skeleton(),
-        names=tuple("thing" if n == "rtibia" else n for n in synthetic_skeleton().names),
+    legless = Skeleton(names=body.names[:3], parents=body.parents[:3], offsets=body.offsets[:3])
+    with pytest.raises(SkeletonError, match="left_hip"):
+        preset_spheres(legless)
+
+
+def test_a_rest_pose_that_lies_changes_nothing() -> None:
+    skeleton = synthetic_skeleton()
+    flat = np.zeros_like(skeleton.offsets)
+    flat[:, 0] = np.linalg.norm(skeleton.offsets, axis=1)  # all bones along x
+    np.testing.assert_allclose(
+        preset_spheres(replace(skeleton, offsets=flat)).radii,
+        preset_spheres(skeleton).radii,
+        rtol=1e-5,
     )
-    with pytest.raises(SkeletonError, match="right_knee"):
-        preset_spheres(renamed)
 
 
 def test_batches_of_poses() -> None:

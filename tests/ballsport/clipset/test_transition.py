@@ -17,9 +17,9 @@ from mgjax.ballsport.clipset.transition import (
 )
 from mgjax.ballsport.config import TransitionConfig
 from mgjax.core import planar
+from mgjax.core.body.roles import require_roles
 from mgjax.core.errors import ConfigError, MotionError
 from mgjax.core.kinematics import global_positions
-from mgjax.core.skeleton import require_roles
 from tests.reference import match as reference
 
 
