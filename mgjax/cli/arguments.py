@@ -33,17 +33,39 @@ class Output:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Info(Output):
-    """Describe motion files: skeleton, frames, rate, unit, oddities."""
+class Reading(Output):
+    """What is known of the clips; otherwise it is found in their motion, or in a clips.toml."""
 
-    files: tyro.conf.Positional[tuple[Path, ...]]
-    """BVH files, or AMC files with their ASF beside them."""
-    out: Path | None = None
-    """Folder for info.json."""
+    units: str | None = None
+    """Unit of their numbers: m, cm, mm, dm, in, ft or cmu."""
+    up: str | None = None
+    """Axis that points up: x, -x, y, -y, z or -z."""
+    front: str | None = None
+    """Axis along which the body looks in the first frame; it is turned to z."""
+    fps: float | None = None
+    """Frames per second at which they were captured."""
+    floor: str | None = None
+    """Height of their floor, m, or keep."""
+    asf: Path | None = None
+    """Skeleton of AMC files."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Build(Output):
+class Info(Reading):
+    """Describe motion files: skeleton, frames, rate, unit, axes, body, oddities."""
+
+    files: tyro.conf.Positional[tuple[Path, ...]]
+    """Motion files, or folders of them."""
+    roles: bool = False
+    """Show which joint is what of the body; with --out as a picture, too."""
+    roles_from: Path | None = None
+    """TOML file of roles and joint names, where those found are wrong."""
+    out: Path | None = None
+    """Folder for info.json and the pictures."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Build(Reading):
     """Build a motion graph from a folder of clips."""
 
     clips: Path
@@ -54,6 +76,10 @@ class Build(Output):
     """Glob on the path below the clips' folder; may be given more than once."""
     labels: Path | None = None
     """JSON file of labelled intervals."""
+    roles: Path | None = None
+    """TOML file of roles and joint names, where those found are wrong."""
+    skip_bad: bool = False
+    """Leave out files that cannot be read, not stop at them."""
     skeleton: Path | None = None
     """File whose skeleton the graph gets; default: that of the first clip."""
     mirror: bool = False
@@ -185,11 +211,13 @@ class Bench(Output):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Replay(Output):
+class Replay(Reading):
     """Send a motion file as a motion sensor would, in real time (VMC protocol, OSC over UDP)."""
 
     file: tyro.conf.Positional[Path]
     """BVH file, or AMC file with its ASF beside it."""
+    roles: Path | None = None
+    """TOML file of roles and joint names, where those found are wrong."""
     out: Path | None = None
     """Folder for replay.json."""
     host: str = HOST

@@ -10,6 +10,7 @@ from typing import Any
 from mgjax.avoidance.index.build import build_index
 from mgjax.avoidance.index.files import save_index
 from mgjax.cli.arguments import Build
+from mgjax.cli.reading import read_as_of
 from mgjax.cli.report import emit, to_json
 from mgjax.clips.folder import load_clips
 from mgjax.clips.labels import load_labels
@@ -49,15 +50,25 @@ def run(command: Build) -> None:
         config = replace(config, mirror=True)
     progress = sys.stderr.isatty()
     with output_folder(command.out) as folder:
-        clips, notes = load_clips(command.clips, exclude=command.exclude, progress=progress)
+        read_as = read_as_of(command, command.roles)
+        clips, notes = load_clips(
+            command.clips,
+            exclude=command.exclude,
+            progress=progress,
+            read_as=read_as,
+            skip_bad=command.skip_bad,
+            need_body=True,
+        )
         labels = load_labels(command.labels, clips, command.clips) if command.labels else None
         skeleton = load_motion(command.skeleton)[0] if command.skeleton else None
+        readings = {clip.name: dict(clip.reading) for clip in clips}
         read = time.perf_counter()
         graph = build_graph(
             clips, labels=labels, config=config, skeleton=skeleton, progress=progress
         )
         report = graph.report
         report["notes"] = notes + report["notes"]
+        report["readings"] = readings
         report["seconds"] = {"read": round(read - begin, 4), **report["seconds"]}
         start = time.perf_counter()
         save_graph(folder, graph)

@@ -2,47 +2,116 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
 from typing import Any
 
+from tqdm import tqdm
+
 from mgjax.cli.arguments import Info
+from mgjax.cli.reading import read_as_of
 from mgjax.cli.report import emit, to_json
+from mgjax.clips.clips_toml import ClipsToml, over
+from mgjax.clips.folder import clip_files
 from mgjax.clips.oddities import find_oddities
+from mgjax.core.body.roles import find_roles
+from mgjax.core.errors import MgjaxError, MotionError
 from mgjax.io.load import read_capture
 from mgjax.io.output import output_folder
+from mgjax.io.reading.capture import Capture
+from mgjax.io.reading.read_as import ReadAs
+
+SURE = 0.9
+"""A unit less likely than this is said to be a guess."""
 
 
 def run(command: Info) -> None:
-    """Describes each file."""
+    """Describes each file, and goes on after a bad one.
+
+    Raises:
+        MotionError: files were bad; all others have been described.
+    """
+    said = read_as_of(command, command.roles_from)
     files: list[dict[str, Any]] = []
     lines: list[str] = []
-    for path in command.files:
-        capture = read_capture(path)
-        skeleton, motion = capture.skeleton, capture.motion
-        oddities = find_oddities(skeleton, motion)
-        files.append(
-            {
-                "file": str(path),
-                "joints": skeleton.num_joints,
-                "end_joints": len(skeleton.end_joints),
-                "names": list(skeleton.names),
-                "parents": list(skeleton.parents),
-                "rest_height_m": round(skeleton.rest_height(), 4),
-                "frames": motion.num_frames,
-                "fps": motion.frame_rate,
-                "seconds": round(motion.seconds, 4),
-                "unit": capture.unit.name,
-                "metres_per_unit": capture.unit.metres,
-                "oddities": [{"kind": o.kind, "frame": o.frame, "text": o.text} for o in oddities],
-            }
-        )
-        lines.append(
-            f"{path}: {skeleton.num_joints} joints ({len(skeleton.end_joints)} ends), rest pose"
-            f" {skeleton.rest_height():.2f} m tall, {motion.num_frames} frames at"
-            f" {motion.frame_rate:g} fps = {motion.seconds:.2f} s, unit: {capture.unit.name}"
-        )
-        lines += [f"  {o.text}" for o in oddities]
+    bad: list[str] = []
+    captures: list[tuple[Path, Capture]] = []
+    found = _files(command.files)
+    hidden = not (sys.stderr.isatty() and len(found) > 20)
+    for path, known in tqdm(found, desc="reading", unit="clip", disable=hidden, leave=False):
+        try:
+            capture = read_capture(path, over(known, said))
+        except MgjaxError as error:
+            bad.append(str(error))
+            files.append({"file": str(path), "error": str(error)})
+            lines.append(f"{path}: not read")
+            continue
+        row = describe(path, capture)
+        files.append(row)
+        lines += _lines(row, show_roles=command.roles)
+        if command.roles:
+            captures.append((path, capture))
     result = {"files": files}
     if command.out is not None:
         with output_folder(command.out) as folder:
             (folder / "info.json").write_text(to_json(result) + "\n")
+            for number, (path, capture) in enumerate(captures):
+                from mgjax.pictures.body import draw_body
+
+                name = path.stem if len(captures) == 1 else f"{number:03d}_{path.stem}"
+                draw_body(folder / f"{name}_body.png", capture.skeleton, capture.motion)
     emit(result, lines, as_json=command.json)
+    if bad:
+        more = "" if len(bad) == 1 else f"{len(bad)} of {len(files)} files: "
+        raise MotionError(more + "; ".join(bad))
+
+
+def _files(paths: tuple[Path, ...]) -> list[tuple[Path, ReadAs]]:
+    """The files, and those in folders; with what a ``clips.toml`` beside them says."""
+    found: list[tuple[Path, ReadAs]] = []
+    for path in paths:
+        if path.is_dir():
+            known = ClipsToml(path)
+            found += [(path / name, known.of(path / name)) for name in clip_files(path)]
+        else:
+            known = ClipsToml(path.parent) if (path.parent / "clips.toml").is_file() else None
+            found.append((path, known.of(path) if known else ReadAs()))
+    return found
+
+
+def describe(path: Path, capture: Capture) -> dict[str, Any]:
+    """One file, ready for JSON."""
+    skeleton, motion = capture.skeleton, capture.motion
+    oddities = find_oddities(skeleton, motion)
+    roles = {role: skeleton.names[joint] for role, joint in find_roles(skeleton).items()}
+    return {
+        "file": str(path),
+        "joints": skeleton.num_joints,
+        "end_joints": len(skeleton.end_joints),
+        "names": list(skeleton.names),
+        "parents": list(skeleton.parents),
+        "frames": motion.num_frames,
+        "fps": motion.frame_rate,
+        "seconds": round(motion.seconds, 4),
+        **capture.reading.as_dict(),
+        "roles": roles,
+        "oddities": [
+            *({"kind": n.kind, "frame": None, "text": n.text} for n in capture.reading.notes),
+            *({"kind": o.kind, "frame": o.frame, "text": o.text} for o in oddities),
+        ],
+    }
+
+
+def _lines(row: dict[str, Any], *, show_roles: bool) -> list[str]:
+    tall = row["height_m"]
+    body = "no body on two legs" if tall is None else f"a body of {tall:.2f} m"
+    guess = "" if row["unit_sure"] >= SURE else " (a guess; --units says it)"
+    front = f", looks along {row['front']}" if row["front"] else ""
+    lines = [
+        f"{row['file']}: {row['joints']} joints ({row['end_joints']} ends), {body},"
+        f" {row['frames']} frames at {row['fps']:g} fps = {row['seconds']:.2f} s,"
+        f" unit: {row['unit']}{guess}, up: {row['up']}{front}"
+    ]
+    if show_roles:
+        lines += [f"  {role}: {name}" for role, name in row["roles"].items()]
+    return lines + [f"  {oddity['text']}" for oddity in row["oddities"]]

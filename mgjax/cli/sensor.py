@@ -11,6 +11,7 @@ from mgjax.ballsport.clipset.build import build_clip_set
 from mgjax.ballsport.live.config import ListenConfig, validate_listen
 from mgjax.ballsport.live.recogniser import LiveDriver, PassDecision
 from mgjax.cli.arguments import Listen, Replay, Sensor
+from mgjax.cli.reading import read_as_of
 from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.io.load import load_motion
@@ -32,7 +33,7 @@ def run(command: Sensor) -> None:
 
 def replay(command: Replay) -> None:
     """Sends a file."""
-    skeleton, motion = load_motion(command.file)
+    skeleton, motion = load_motion(command.file, read_as=read_as_of(command, command.roles))
     config = ReplayConfig(
         rate=command.rate,
         speed=command.speed,

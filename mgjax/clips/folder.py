@@ -9,31 +9,22 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
+from mgjax.clips.clips_toml import ClipsToml, over
 from mgjax.clips.types import Clip
-from mgjax.core.errors import MotionError
+from mgjax.core.errors import FileFormatError, MgjaxError, MotionError
 from mgjax.core.motion import Motion
-from mgjax.io.load import SUFFIXES, load_motion
+from mgjax.io.load import SUFFIXES, read_capture
+from mgjax.io.reading.capture import Capture
+from mgjax.io.reading.interpret import BODY_M
+from mgjax.io.reading.read_as import ReadAs
 
 
-def load_clips(
-    folder: str | Path, *, exclude: Sequence[str] = (), progress: bool = False
-) -> tuple[list[Clip], list[str]]:
-    """Loads every motion file in ``folder`` and the folders below it, in the order of their paths.
-
-    Args:
-        folder: where to look.
-        exclude: glob patterns on the path relative to ``folder``; matching files are left out.
-        progress: shows a bar on stderr.
-
-    Returns:
-        The clips, named by relative path with ``/``, and notes on what was left out: of two clips
-        with identical motion the first stays.
+def clip_files(folder: Path, exclude: Sequence[str] = ()) -> list[str]:
+    """Paths of the motion files in a folder and below, relative to it, in their order.
 
     Raises:
-        MotionError: there is no clip.
-        FileFormatError: a file cannot be read.
+        MotionError: there is no such folder, or no clip in it.
     """
-    folder = Path(folder)
     if not folder.is_dir():
         raise MotionError(f"{folder}: got no such folder, expected a folder of clips")
     files = [p for p in folder.rglob("*") if p.suffix.lower() in SUFFIXES and p.is_file()]
@@ -41,16 +32,90 @@ def load_clips(
     names = [n for n in names if not any(fnmatch(n, pattern) for pattern in exclude)]
     if not names:
         raise MotionError(f"{folder}: got no clip, expected {' or '.join(SUFFIXES)} files")
+    return names
+
+
+def load_clips(
+    folder: str | Path,
+    *,
+    exclude: Sequence[str] = (),
+    progress: bool = False,
+    read_as: ReadAs | None = None,
+    skip_bad: bool = False,
+    need_body: bool = False,
+) -> tuple[list[Clip], list[str]]:
+    """Loads every motion file in ``folder`` and the folders below it, in the order of their paths.
+
+    Args:
+        folder: where to look; a ``clips.toml`` in it says how files are to be read.
+        exclude: glob patterns on the path relative to ``folder``; matching files are left out.
+        progress: shows a bar on stderr.
+        read_as: what is known of all files; it counts more than a ``clips.toml``.
+        skip_bad: leaves files out that cannot be read, with a note for each.
+        need_body: a file without a body, or with one no person has, is bad as well.
+
+    Returns:
+        The clips, named by relative path with ``/``, and notes on what was found and left out: of
+        two clips with identical motion the first stays.
+
+    Raises:
+        MotionError: there is no clip, or files are bad: all of them are named.
+    """
+    folder = Path(folder)
+    names = clip_files(folder, exclude)
+    known = ClipsToml(folder)
     clips: list[Clip] = []
     notes: list[str] = []
+    said: dict[str, list[str]] = {}
+    bad: list[str] = []
     for name in tqdm(names, desc="reading", unit="clip", disable=not progress, leave=False):
-        skeleton, motion = load_motion(folder / name)
-        twin = next((c for c in clips if _same_motion(c.motion, motion)), None)
+        way = over(known.of(folder / name), read_as or ReadAs())
+        try:
+            capture = read_capture(folder / name, way)
+            if need_body:
+                check_body(folder / name, capture, way)
+        except MgjaxError as error:
+            bad.append(str(error))
+            continue
+        twin = next((c for c in clips if _same_motion(c.motion, capture.motion)), None)
         if twin is not None:
             notes.append(f"{name}: left out, its motion is that of {twin.name}")
             continue
-        clips.append(Clip(name=name, skeleton=skeleton, motion=motion))
-    return clips, notes
+        for note in capture.reading.notes:
+            said.setdefault(note.text, []).append(name)
+        reading = {**capture.reading.as_dict(), "said": way.as_dict()}
+        clips.append(
+            Clip(name=name, skeleton=capture.skeleton, motion=capture.motion, reading=reading)
+        )
+    if bad and not (skip_bad and clips):
+        more = "" if len(bad) == 1 else f"{len(bad)} of {len(names)} files: "
+        raise MotionError(more + "; ".join(bad))
+    notes += [f"left out: {error}" for error in bad]
+    return clips, [*_together(said), *notes]
+
+
+def check_body(path: Path, capture: Capture, read_as: ReadAs) -> None:
+    """Raises :class:`FileFormatError` for what is no body, or none of a size that people have."""
+    tall = capture.reading.height_m
+    if tall is None:
+        got = "no body on two legs"
+        raise FileFormatError(path, None, got, "legs with hip, knee and ankle; name them: --roles")
+    low, high = BODY_M
+    if read_as.units is None and not low <= tall <= high:
+        raise FileFormatError(
+            path,
+            None,
+            f"a body of {tall:.2f} m in the {capture.unit.name}",
+            f"{low:g} … {high:g} m; if it is right, say the unit: --units",
+        )
+
+
+def _together(said: dict[str, list[str]]) -> list[str]:
+    """Notes that several clips have, once."""
+    return [
+        f"{names[0]}: {note}" if len(names) == 1 else f"{len(names)} clips: {note}"
+        for note, names in said.items()
+    ]
 
 
 def _same_motion(a: Motion, b: Motion) -> bool:

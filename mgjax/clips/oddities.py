@@ -24,6 +24,9 @@ MIN_JUMP_M = 0.15
 FLOOR_TOLERANCE_M = 0.03
 """Capture is not calibrated better than this."""
 
+SLOW_FPS = 10.0
+"""No capture is slower; a header that says so is wrong."""
+
 SETTLED_M = 0.02
 """Movement in a frame below which a pose that a T-pose was blended into counts as free of it."""
 
@@ -35,8 +38,8 @@ class Oddity:
     """One finding.
 
     Attributes:
-        kind: ``t_pose_first_frame``, ``jump``, ``feet_under_floor``, ``zero_offsets`` or
-            ``moving_bones``.
+        kind: ``slow_rate``, ``t_pose_first_frame``, ``jump``, ``feet_under_floor``,
+            ``zero_offsets`` or ``moving_bones``.
         frame: where it is, or None where it is about the whole file.
         text: one line for a reader.
     """
@@ -51,6 +54,9 @@ def find_oddities(skeleton: Skeleton, motion: Motion) -> tuple[Oddity, ...]:
     positions = np.asarray(global_positions(skeleton, motion))
     steps = _steps(positions)
     oddities: list[Oddity] = []
+    if motion.frame_rate < SLOW_FPS:
+        text = f"{motion.frame_rate:g} frames a second are too few for motion; --fps says the rate"
+        oddities.append(Oddity("slow_rate", None, text))
     t_pose = _t_pose(skeleton, motion, steps)
     if t_pose:
         clean = _clean(steps, motion.frame_rate)

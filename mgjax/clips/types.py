@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import cast
+from dataclasses import dataclass, field
+from typing import Any, cast
 
 from mgjax.core.errors import MotionError
 from mgjax.core.motion import Motion
@@ -13,11 +13,18 @@ from mgjax.core.skeleton import Skeleton
 
 @dataclass(frozen=True, kw_only=True)
 class Clip:
-    """One captured (or made) motion with the name by which labels and reports know it."""
+    """One captured (or made) motion with the name by which labels and reports know it.
+
+    Attributes:
+        name: unique among the clips of a graph.
+        skeleton, motion: what is moved, and how.
+        reading: how the file was read, ready for JSON; empty for a motion from elsewhere.
+    """
 
     name: str
     skeleton: Skeleton
     motion: Motion
+    reading: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)

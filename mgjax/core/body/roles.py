@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 
-import jax
 import numpy as np
+from jax.core import Tracer
 
 from mgjax.core.body.limbs import (
     ARM,
@@ -52,7 +52,7 @@ def find_roles(skeleton: Skeleton) -> dict[str, int]:
     if skeleton.roles:
         return dict(skeleton.roles)
     offsets = skeleton.offsets
-    if isinstance(offsets, jax.core.Tracer):  # lengths are not known: names and branches decide
+    if isinstance(offsets, Tracer):  # lengths are not known: names and branches decide
         offsets = np.ones((skeleton.num_joints, 3))
     lengths = np.asarray(offsets, dtype=np.float64).tobytes()
     return dict(_found(skeleton.names, skeleton.parents, skeleton.end_joints, lengths))

@@ -20,7 +20,7 @@ import numpy as np
 from mgjax.core import quaternion
 from mgjax.core.errors import FileFormatError
 from mgjax.io.bvh.hierarchy import BvhJoint, read_hierarchy
-from mgjax.io.reading.raw import RawMotion
+from mgjax.io.reading.raw import Note, RawMotion
 from mgjax.io.reading.units import UNITS
 from mgjax.io.text import (
     check_size,
@@ -61,9 +61,10 @@ def read_bvh(path: str | Path) -> RawMotion:
     if not channels:
         raise FileFormatError(path, start + 1, "a hierarchy without channels", "CHANNELS")
     values = _read_rows(path, lines, first, channels)
-    notes: list[str] = []
+    notes: list[Note] = []
     if len(values) != count:
-        notes.append(f"{len(values)} rows where {count} frames are stated; all rows were taken")
+        text = f"{len(values)} rows where {count} frames are stated; all rows were taken"
+        notes.append(Note("rows", text))
     check_size(path, len(values), len(joints))
     marked = lines[0] == MARK
     raw = _assemble(Path(path), joints, values, _stated_rate(period))

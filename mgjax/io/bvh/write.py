@@ -48,9 +48,8 @@ def save_bvh(path: str | Path, skeleton: Skeleton, motion: Motion) -> None:
     children: dict[int, list[int]] = {}
     for joint, parent in enumerate(skeleton.parents):
         children.setdefault(parent, []).append(joint)
-    degrees = np.rad2deg(
-        _continuous(quaternion.to_euler_zyx(np.asarray(motion.local_rotations, np.float64)))
-    )
+    angles = quaternion.to_euler_zyx(np.asarray(motion.local_rotations, np.float64))
+    degrees = np.rad2deg(_continuous(np.asarray(angles)))
     end_joints = set(skeleton.end_joints)
 
     def write(joint: int, indent: str) -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
+from mgjax.io.reading.raw import Note
 from mgjax.io.reading.roots import FloorRoot
 from mgjax.io.reading.units import Unit
 
@@ -32,7 +34,20 @@ class Reading:
     floor_m: float = 0.0
     front: str = ""
     height_m: float | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """What was found, ready for JSON."""
+        return {
+            "unit": self.unit.name,
+            "metres_per_unit": self.unit.metres,
+            "unit_sure": round(self.unit_sure, 4),
+            "up": self.up,
+            "up_sure": round(self.up_sure, 4),
+            "floor_m": round(self.floor_m, 4),
+            "front": self.front,
+            "height_m": None if self.height_m is None else round(self.height_m, 4),
+        }
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,12 +14,15 @@ from mgjax.core.errors import ConfigError, FileFormatError
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import MAX_OFFSET_M, Skeleton
 from mgjax.io.reading.capture import Capture, Reading
-from mgjax.io.reading.raw import RawMotion
+from mgjax.io.reading.raw import Note, RawMotion
 from mgjax.io.reading.read_as import ReadAs
 from mgjax.io.reading.roots import fold_root
 from mgjax.io.reading.stand import stand, with_roles
 from mgjax.io.reading.units import UNITS, FoundUnit, Unit, unit_of_body, unit_of_thing
 from mgjax.io.text import MAX_PLACE_M, quoted
+
+BODY_M = (0.9, 2.6)
+"""Shortest and tallest body of a person, m."""
 
 
 def interpret(raw: RawMotion, read_as: ReadAs) -> Capture:
@@ -129,7 +132,11 @@ def _metric(raw: RawMotion, found: FoundUnit, height: float | None) -> Capture:
         frame_rate=float(raw.frame_rate),
         joint_offsets=moving,
     )
+    notes = list(raw.notes)
+    if height is not None and not BODY_M[0] <= height <= BODY_M[1]:
+        text = f"no person is {height:.2f} m tall: is the unit the {found.unit.name}? See --units"
+        notes.append(Note("size", text))
     reading = Reading(
-        unit=found.unit, unit_sure=found.probability, height_m=height, notes=raw.notes
+        unit=found.unit, unit_sure=found.probability, height_m=height, notes=tuple(notes)
     )
     return Capture(skeleton=skeleton, motion=motion, reading=reading)

@@ -10,6 +10,20 @@ import numpy as np
 from mgjax.io.reading.units import Unit
 
 
+@dataclass(frozen=True)
+class Note:
+    """Something to say of a file.
+
+    Attributes:
+        kind: ``rows``, ``root_folded``, ``beside_body``, ``up_axis``, ``lies``, ``upside_down``,
+            ``floor``, ``sides`` or ``size``.
+        text: one line for a reader.
+    """
+
+    kind: str
+    text: str
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RawMotion:
     """Poses in the numbers of a file.
@@ -40,4 +54,4 @@ class RawMotion:
     frame_rate: float
     unit: Unit | None = None
     settled: bool = False
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()

@@ -10,7 +10,7 @@ from mgjax.core import quaternion
 from mgjax.core.body.limbs import Limbs, find_limbs
 from mgjax.core.body.roles import hips_of
 from mgjax.core.body.tree import Tree
-from mgjax.io.reading.raw import RawMotion
+from mgjax.io.reading.raw import Note, RawMotion
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,9 +50,11 @@ def fold_root(raw: RawMotion) -> tuple[RawMotion, FloorRoot | None, Limbs | None
     kept = sorted(tree.below(hips))
     above = [j for j in tree.ancestors(hips)[1:] if j != hips]
     lost = [raw.names[j] for j in range(len(raw.names)) if j not in {*kept, *above}]
-    notes = [f"{', '.join(raw.names[j] for j in above[::-1])} above the hips folded into them"]
+    names = ", ".join(raw.names[j] for j in above[::-1])
+    notes = [Note("root_folded", f"{names} above the hips folded into them")]
     if lost := [name for name in lost if raw.names.index(name) not in set(raw.end_joints)]:
-        notes.append(f"{len(lost)} joints beside the body left out: {', '.join(lost[:5])}")
+        text = f"{len(lost)} joints beside the body left out: {', '.join(lost[:5])}"
+        notes.append(Note("beside_body", text))
     rotations = raw.rotations[:, kept].copy()
     rotations[:, 0] = np.asarray(quaternion.multiply(turn, raw.rotations[:, hips]))
     folded = replace(_part(raw, kept), root=root, rotations=rotations)

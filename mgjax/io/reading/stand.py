@@ -15,6 +15,7 @@ from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 from mgjax.io.reading.capture import Capture
+from mgjax.io.reading.raw import Note
 from mgjax.io.reading.read_as import ReadAs
 from mgjax.io.reading.roots import FloorRoot
 from mgjax.io.reading.upright import (
@@ -47,15 +48,16 @@ def stand(
     height = reading.height_m or 0.0
     places = _sampled(skeleton, motion)
     up = find_up(tree, roles, places, height, "y" if stated and not read_as.up else read_as.up)
-    notes = [*reading.notes, *([up.note] if up.note else [])]
+    notes = [*reading.notes, *up.notes]
     turn = turn_to_y(up.axis)
     places = places @ turn.T
     looks = forward_of(places, roles)
     front = _nearest_axis(looks[0])
     floor, note = _floor(feet_heights(tree, roles, places), height, read_as, stated=stated)
-    notes += [note] if note else []
+    notes += [Note("floor", note)] if note else []
     if sides_swapped(places, roles):
-        notes.append("what is called left is on the right: mirrored, or the axes are left-handed")
+        text = "what is called left is on the right: mirrored, or the axes are left-handed"
+        notes.append(Note("sides", text))
     heading = np.eye(3)
     if read_as.front is not None:
         heading = _heading(turn @ axis_vector(read_as.front), read_as)
@@ -167,8 +169,7 @@ def with_roles(
     skeleton = replace(skeleton, roles=pairs)
     reading = replace(capture.reading, height_m=body_height(skeleton))
     if swapped:
-        mark = "what is called left"
-        reading = replace(reading, notes=tuple(n for n in reading.notes if not n.startswith(mark)))
+        reading = replace(reading, notes=tuple(n for n in reading.notes if n.kind != "sides"))
     return replace(capture, skeleton=skeleton, reading=reading)
 
 

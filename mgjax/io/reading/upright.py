@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mgjax.core.body.tree import Tree
+from mgjax.io.reading.raw import Note
 from mgjax.io.reading.read_as import AXES
 
 STANDS, LIES = 0.7, 0.35
@@ -31,13 +32,13 @@ class FoundUp:
         axis: such as ``"z"``.
         cosine: mean cosine between the body, from the feet to the head, and that axis.
         with_rest: the rest pose stands along the axis as well, so that it is turned, too.
-        note: what is to be said, or "".
+        notes: what is to be said.
     """
 
     axis: str
     cosine: float
     with_rest: bool
-    note: str = ""
+    notes: tuple[Note, ...] = ()
 
 
 def find_up(
@@ -65,15 +66,18 @@ def find_up(
         return FoundUp(axis=said, cosine=cosines[said], with_rest=with_rest and said != "y")
     best = max(cosines, key=lambda axis: cosines[axis])
     if best == "y" or cosines["y"] > 0.5:
-        note = "" if cosines["y"] >= LIES else "the body hardly ever stands upright"
-        return FoundUp(axis="y", cosine=cosines["y"], with_rest=False, note=note)
+        note = Note("lies", "the body hardly ever stands upright")
+        notes = () if cosines["y"] >= LIES else (note,)
+        return FoundUp(axis="y", cosine=cosines["y"], with_rest=False, notes=notes)
     clear = cosines[best] > STANDS and cosines["y"] < LIES
     with_rest = float(stands @ axis_vector(best)) > 0.8
     if clear and (with_rest or on_floor(feet_heights(tree, roles, places, best), height)):
-        return FoundUp(axis=best, cosine=cosines[best], with_rest=with_rest)
+        note = Note("up_axis", f"{best.upper()} points up in the file; the body was turned upright")
+        return FoundUp(axis=best, cosine=cosines[best], with_rest=with_rest, notes=(note,))
     lies = "is upside down" if best == "-y" else f"lies along {best.upper()}"
-    note = f"the body {lies}; if that is its height, say so: --up={best}"
-    return FoundUp(axis="y", cosine=cosines["y"], with_rest=False, note=note)
+    text = f"the body {lies}; if that axis points up, say so: --up={best}"
+    note = Note("upside_down" if best == "-y" else "lies", text)
+    return FoundUp(axis="y", cosine=cosines["y"], with_rest=False, notes=(note,))
 
 
 def _rest(tree: Tree) -> np.ndarray:
