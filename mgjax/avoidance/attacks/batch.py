@@ -95,7 +95,7 @@ class AttackBatch:
         """The same attacks padded to the larger size, as it goes with long walks."""
         if self.is_long:
             return self
-        beyond = _frame_slots(FRAME_BUCKET + 1) - self.frames.shape[1]
+        beyond = bucket_size(FRAME_BUCKET + 1, FRAME_BUCKET, 32) - self.frames.shape[1]
         frames = np.pad(np.asarray(self.frames), ((0, 0), (0, beyond), (0, 0)), mode="edge")
         return AttackBatch(frames=frames, numbers=self.numbers)
 
@@ -113,11 +113,6 @@ def empty_attack_batch(frames: int, spheres: int) -> AttackBatch:
     numbers = np.full((1, _NUMBERS + 3 * spheres), _ABSENT_S, np.float32)
     numbers[0, :_NUMBERS] = 0
     return AttackBatch(frames=np.zeros((1, frames, 3 * spheres), np.float32), numbers=numbers)
-
-
-def _frame_slots(count: int) -> int:
-    """How many frames so many are padded to."""
-    return bucket_size(count, FRAME_BUCKET, 32)
 
 
 def make_attack_batch(
@@ -138,7 +133,7 @@ def make_attack_batch(
     count, spheres = last - first + 1, len(attack.radii)
     slots = bucket_size(spheres, SPHERE_BUCKET, 8)
     times = np.arange(first, last + 1) * step
-    frames = np.empty((1, _frame_slots(count), 3 * slots), np.float32)
+    frames = np.empty((1, bucket_size(count, FRAME_BUCKET, 32), 3 * slots), np.float32)
     frames[0, :, 3 * spheres :] = 0
     if attack.starts is None and attack.stops is None:
         for k, column in enumerate(attack.centres.reshape(len(attack.times), -1).T):
