@@ -202,7 +202,7 @@ def damped_least_squares_step(
         return bent
     held = clamp(bent, limits)
     old, new = (quaternion.multiply(above, q) for q in (local, held))
-    done = _rotation_vector(quaternion.multiply(new, quaternion.conjugate(old)))
+    done = quaternion.log(quaternion.multiply(new, quaternion.conjugate(old)))
     product = jnp.sum(done * turn, axis=-1)
     left = done[:, :, None] * done[:, None, :] / jnp.maximum(product, 1e-12)[:, None, None]
     stopped = jnp.sum((done - turn) ** 2, axis=-1) > 1e-4 * jnp.sum(turn**2, axis=-1)
@@ -248,9 +248,3 @@ def _fit(arms: Float[Array, "C 3"], wanted: Float[Array, "C 3"], real: Bool[Arra
 def _clamp_one(rotation: Float[Array, "4"], limits: JointLimits, joint: Array) -> Array:
     one = jax.tree.map(lambda field: jnp.asarray(field)[joint][None], limits)
     return clamp(rotation[None], one)[0]
-
-
-def _rotation_vector(q: Float[Array, "n 4"]) -> Float[Array, "n 3"]:
-    q = jnp.where(q[:, :1] < 0, -q, q)
-    sine = jnp.sqrt(jnp.maximum(jnp.sum(q[:, 1:] ** 2, axis=-1), 1e-16))
-    return (2 * jnp.arctan2(sine, q[:, 0]) / sine)[:, None] * q[:, 1:]
