@@ -15,9 +15,9 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
 from mgjax.avoidance.body.edge_tables import EdgeTables
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
-from mgjax.avoidance.choice.choosing import best_of
 from mgjax.avoidance.choice.continuation import continue_clear
-from mgjax.avoidance.choice.search import Query
+from mgjax.avoidance.choice.decision import best_of
+from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling.cull import cull, timing_of
 from mgjax.avoidance.culling.overlap import overlap_pixels
@@ -135,8 +135,14 @@ def _search(scene: Scene, ball: Ball, candidates: Candidates) -> bool:
     """Judges candidates and checks the best; whether one of them avoids the ball."""
     if not len(candidates.length):
         return False
-    query = Query(node=ball.node, attack=ball.attack, crop=ball.crop, candidates=candidates)
-    settled = best_of(prepared_for(scene.graph, scene.settings), query, scene.settings)
+    query = Query(
+        prepared=prepared_for(scene.graph, scene.settings),
+        config=scene.settings,
+        node=ball.node,
+        attack=ball.attack,
+        crop=ball.crop,
+    )
+    settled = best_of(query, candidates)
     return settled.choice is not None and settled.choice.status == "avoided"
 
 

@@ -22,7 +22,7 @@ from mgjax.avoidance.choice.selection import both_timings, write
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
-from mgjax.avoidance.timing.time_warp import part_moments, speed_change
+from mgjax.avoidance.timing.walk_warps import part_moments, speed_change
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
 from mgjax.runs.experiment import Results, experiment

@@ -20,7 +20,6 @@ from mgjax.avoidance.body.edge_tables import EdgeTables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index.build import build_index
-from mgjax.avoidance.index.cells import HEIGHTS
 from mgjax.avoidance.index.index import GridIndex
 from mgjax.avoidance.index.swept_cells import swept_cells
 from mgjax.avoidance.prepared import prepared_for
@@ -37,17 +36,6 @@ def ball(rng: np.random.Generator) -> Attack:
     return ball_from(side, height)
 
 
-def paths_per_cell(index: GridIndex, node: int) -> np.ndarray:
-    """How many paths touch each non-empty cell of a node. [M]"""
-    paths = np.arange(index.node_first[node], index.node_first[node + 1])
-    _, columns, masks = index.columns(paths)
-    counts = [
-        np.bincount(columns[(masks >> np.uint32(bit)) & 1 == 1], minlength=1)
-        for bit in range(HEIGHTS)
-    ]
-    return np.concatenate([c[c > 0] for c in counts])
-
-
 def build_row(graph: MotionGraph) -> tuple[dict[str, Any], GridIndex]:
     """Builds twice: the first time also compiles, or loads the programs."""
     start = time.perf_counter()
@@ -58,7 +46,7 @@ def build_row(graph: MotionGraph) -> tuple[dict[str, Any], GridIndex]:
     rng = np.random.default_rng(0)
     filled = np.flatnonzero(np.diff(index.node_first))
     some = rng.choice(filled, min(NODES, len(filled)), replace=False)
-    per_cell = [paths_per_cell(index, int(node)) for node in some]
+    per_cell = [index.paths_per_cell(int(node)) for node in some]
     counts = np.concatenate(per_cell)
     row = {
         "case": "build",

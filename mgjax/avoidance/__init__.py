@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from mgjax.avoidance.play.planner import Planner as Planner
     from mgjax.avoidance.prepared import Prepared as Prepared
     from mgjax.avoidance.prepared import prepare as prepare
-    from mgjax.avoidance.timing.time_warp import TimeWarp as TimeWarp
+    from mgjax.core.timing.time_warp import TimeWarp as TimeWarp
 else:
     __getattr__, __dir__, __all__ = attach(
         __name__,
@@ -85,7 +85,7 @@ else:
             "SpeedConfig": "mgjax.avoidance.config",
             "sweep_energies": "mgjax.avoidance.many.settings",
             "Swept": "mgjax.avoidance.many.settings",
-            "TimeWarp": "mgjax.avoidance.timing.time_warp",
+            "TimeWarp": "mgjax.core.timing.time_warp",
             "SphereTrajectory": "mgjax.avoidance.checks.written",
             "warm_up": "mgjax.avoidance.choice.compile_ahead",
         },

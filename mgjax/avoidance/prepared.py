@@ -74,8 +74,9 @@ def prepared_for(
     """What was prepared, or what is kept for a graph; an ``index`` replaces that of the former.
 
     Raises:
-        ConfigError: it was prepared with other settings.
+        ConfigError: a setting out of range, or other than those it was prepared with.
     """
+    validate_config(config)
     if isinstance(graph, Prepared):
         _check(graph, config)
         return graph if index is None else replace(graph, index=index)

@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from mgjax.ballsport.scene.types import BallFlight as BallFlight
     from mgjax.ballsport.scene.types import Touch as Touch
     from mgjax.sensor.config import ReplayConfig as ReplayConfig
-    from mgjax.sensor.frames import Counts as Counts
+    from mgjax.sensor.counts import Counts as Counts
     from mgjax.sensor.frames import SensorFrame as SensorFrame
     from mgjax.sensor.receiver import SensorReceiver as SensorReceiver
     from mgjax.sensor.replay import Replayed as Replayed
@@ -84,7 +84,7 @@ else:
             "ClipSetConfig": "mgjax.ballsport.config",
             "contact_times": "mgjax.ballsport.ball.trajectory",
             "Contacts": "mgjax.ballsport.clipset.ball_contact",
-            "Counts": "mgjax.sensor.frames",
+            "Counts": "mgjax.sensor.counts",
             "BallEvent": "mgjax.ballsport.scene.ball_track",
             "find_hits": "mgjax.ballsport.hits.detect",
             "find_transitions": "mgjax.ballsport.clipset.transition",

@@ -15,9 +15,10 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
-from mgjax.avoidance.choice.choosing import best_of, choose
+from mgjax.avoidance.choice.choosing import choose
+from mgjax.avoidance.choice.decision import best_of
 from mgjax.avoidance.choice.results import Status
-from mgjax.avoidance.choice.search import Query
+from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling.cull import PIXELS
 from mgjax.avoidance.energy.evaluate import judge
@@ -122,23 +123,15 @@ def _counts(
     prepared: Prepared, index: CandidateIndex, ball: Ball, config: AvoidanceConfig
 ) -> tuple[tuple[int, int], bool]:
     """Candidates looked up and enumerated; whether the index answers."""
-    crop = crop_attack(ball.attack, radius=config.crop_radius_m, height=config.crop_height_m)
-    assert crop is not None
-    every = enumerate_candidates(
-        prepared.graph,
-        prepared.tables,
-        ball.node,
-        crop.middle,
-        window=config.T_window,
-        capacity=config.capacity,
-    )
-    known = index.in_time(ball.node, crop.middle, config.T_window)
-    touched = None if known is None else index.touched(known, ball.attack, crop)
+    query = ask(prepared, ball.node, ball.attack, config)
+    assert query is not None
+    every = query.in_time
+    known = index.in_time(ball.node, query.crop.middle, config.T_window)
+    touched = None if known is None else index.touched(known, ball.attack, query.crop)
     if known is None or touched is None or not touched.any():
         return (0, len(every.length)), False
     looked_up = index.walks(known[touched])
-    query = Query(node=ball.node, attack=ball.attack, crop=crop, candidates=looked_up)
-    decision = best_of(prepared, query, config)
+    decision = best_of(query, looked_up)
     # Where the index holds nothing that is clear, the other candidates are enumerated after all.
     answered = decision.choice is not None and decision.choice.status == Status.AVOIDED
     return (len(looked_up.length), len(every.length)), answered

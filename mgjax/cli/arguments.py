@@ -241,6 +241,28 @@ class Replay(Reading):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Send(Output):
+    """Send a motion to whatever shows VMC: a random walk of a graph, or a clip, in real time."""
+
+    file: tyro.conf.Positional[Path | None] = None
+    """BVH file, or AMC file with its ASF beside it, if not a graph."""
+    graph: Path | None = None
+    """Folder of a graph, of which a random walk is played."""
+    host: str = HOST
+    """Where to send it."""
+    port: int = PORT
+    """Its port."""
+    seconds: float | None = None
+    """For how long; default: the whole clip, or 30 s of a walk."""
+    fps: float | None = None
+    """Frames sent per second; default: as captured."""
+    seed: int = 0
+    """Draws the walk."""
+    out: Path | None = None
+    """Folder for send.json."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Listen(Output):
     """Wait for a motion sensor; print each kick and the stored hit it resembles, as JSON lines."""
 
@@ -258,10 +280,11 @@ class Listen(Output):
 
 @dataclass(frozen=True, kw_only=True)
 class Sensor:
-    """Live motion over the VMC protocol: play a file as a sensor, or listen to one."""
+    """Live motion over the VMC protocol: send it, play a file as a sensor, or listen to one."""
 
     action: Annotated[
         Annotated[Replay, tyro.conf.subcommand("replay")]
+        | Annotated[Send, tyro.conf.subcommand("send")]
         | Annotated[Listen, tyro.conf.subcommand("listen")],
         tyro.conf.arg(name=""),
     ]

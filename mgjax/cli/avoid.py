@@ -15,7 +15,7 @@ from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.choice.selection import Selection, both_timings, select
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.rates import EXPORT_RATE
-from mgjax.avoidance.timing.time_warp import natural_starts, part_moments, speed_change
+from mgjax.avoidance.timing.walk_warps import natural_starts, part_moments, speed_change
 from mgjax.cli.arguments import Avoid
 from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError

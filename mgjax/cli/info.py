@@ -12,10 +12,10 @@ from mgjax.cli.arguments import Info
 from mgjax.cli.reading import read_as_of
 from mgjax.cli.report import emit, to_json
 from mgjax.clips.clips_toml import ClipsToml, over
-from mgjax.clips.folder import clip_files
+from mgjax.clips.folder import all_of, clip_files
 from mgjax.clips.oddities import find_oddities
 from mgjax.core.body.roles import find_roles
-from mgjax.core.errors import MgjaxError, MotionError
+from mgjax.core.errors import MgjaxError
 from mgjax.io.load import read_capture
 from mgjax.io.output import output_folder
 from mgjax.io.reading.capture import Capture
@@ -29,12 +29,12 @@ def run(command: Info) -> None:
     """Describes each file, and goes on after a bad one.
 
     Raises:
-        MotionError: files were bad; all others have been described.
+        MgjaxError: files were bad; all others have been described.
     """
     said = read_as_of(command, command.roles_from)
     files: list[dict[str, Any]] = []
     lines: list[str] = []
-    bad: list[str] = []
+    bad: list[MgjaxError] = []
     captures: list[tuple[Path, Capture]] = []
     found = _files(command.files)
     hidden = not (sys.stderr.isatty() and len(found) > 20)
@@ -42,7 +42,7 @@ def run(command: Info) -> None:
         try:
             capture = read_capture(path, over(known, said))
         except MgjaxError as error:
-            bad.append(str(error))
+            bad.append(error)
             files.append({"file": str(path), "error": str(error)})
             lines.append(f"{path}: not read")
             continue
@@ -51,6 +51,8 @@ def run(command: Info) -> None:
         lines += _lines(row, show_roles=command.roles)
         if command.roles:
             captures.append((path, capture))
+    if len(bad) == len(files):
+        raise all_of(bad, len(files))
     result = {"files": files}
     if command.out is not None:
         with output_folder(command.out) as folder:
@@ -62,8 +64,7 @@ def run(command: Info) -> None:
                 draw_body(folder / f"{name}_body.png", capture.skeleton, capture.motion)
     emit(result, lines, as_json=command.json)
     if bad:
-        more = "" if len(bad) == 1 else f"{len(bad)} of {len(files)} files: "
-        raise MotionError(more + "; ".join(bad))
+        raise all_of(bad, len(files))
 
 
 def _files(paths: tuple[Path, ...]) -> list[tuple[Path, ReadAs]]:

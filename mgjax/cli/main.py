@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 import sys
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Any
 
 import tyro
 
@@ -50,6 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
 
     enable_cache()
     try:
+        command = with_user_paths(command)
         importlib.import_module(f"mgjax.cli.{MODULES[type(command)]}").run(command)
     except MgjaxError as error:
         print("mgjax: " + " ".join(str(error).split("\n")), file=sys.stderr)
@@ -60,3 +63,19 @@ def main(arguments: list[str] | None = None) -> int:
         print("mgjax: interrupted; nothing was written", file=sys.stderr)
         return 130
     return 0
+
+
+def with_user_paths(value: Any) -> Any:
+    """Arguments, in tuples and commands too, whose paths have ``~`` replaced by a home folder."""
+    from mgjax.io.user_path import user_path
+
+    if isinstance(value, Path):
+        return user_path(value)
+    if isinstance(value, tuple):
+        return tuple(map(with_user_paths, value))
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = {
+            f.name: with_user_paths(getattr(value, f.name)) for f in dataclasses.fields(value)
+        }
+        return type(value)(**fields)
+    return value

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 from collections.abc import Sequence
 from fnmatch import fnmatch
 from pathlib import Path
@@ -17,17 +19,21 @@ from mgjax.io.load import SUFFIXES, read_capture
 from mgjax.io.reading.capture import Capture
 from mgjax.io.reading.interpret import BODY_M
 from mgjax.io.reading.read_as import ReadAs
+from mgjax.io.user_path import user_path
 
 
 def clip_files(folder: Path, exclude: Sequence[str] = ()) -> list[str]:
     """Paths of the motion files in a folder and below, relative to it, in their order.
+
+    Links to folders are followed. A folder that is reached on several ways counts once, under the
+    name that it has without links where it has one.
 
     Raises:
         MotionError: there is no such folder, or no clip in it.
     """
     if not folder.is_dir():
         raise MotionError(f"{folder}: got no such folder, expected a folder of clips")
-    files = [p for p in folder.rglob("*") if p.suffix.lower() in SUFFIXES and p.is_file()]
+    files = _motion_files(folder)
     names = sorted(p.relative_to(folder).as_posix() for p in files)
     names = [n for n in names if not any(fnmatch(n, pattern) for pattern in exclude)]
     if not names:
@@ -61,13 +67,13 @@ def load_clips(
     Raises:
         MotionError: there is no clip, or files are bad: all of them are named.
     """
-    folder = Path(folder)
+    folder = user_path(folder)
     names = clip_files(folder, exclude)
     known = ClipsToml(folder)
     clips: list[Clip] = []
     notes: list[str] = []
     said: dict[str, list[str]] = {}
-    bad: list[str] = []
+    bad: list[MgjaxError] = []
     for name in tqdm(names, desc="reading", unit="clip", disable=not progress, leave=False):
         way = over(known.of(folder / name), read_as or ReadAs())
         try:
@@ -75,7 +81,7 @@ def load_clips(
             if need_body:
                 check_body(folder / name, capture, way)
         except MgjaxError as error:
-            bad.append(str(error))
+            bad.append(error)
             continue
         twin = next((c for c in clips if _same_motion(c.motion, capture.motion)), None)
         if twin is not None:
@@ -88,8 +94,7 @@ def load_clips(
             Clip(name=name, skeleton=capture.skeleton, motion=capture.motion, reading=reading)
         )
     if bad and not (skip_bad and clips):
-        more = "" if len(bad) == 1 else f"{len(bad)} of {len(names)} files: "
-        raise MotionError(more + "; ".join(bad))
+        raise all_of(bad, len(names))
     notes += [f"left out: {error}" for error in bad]
     return clips, [*_together(said), *notes]
 
@@ -110,12 +115,39 @@ def check_body(path: Path, capture: Capture, read_as: ReadAs) -> None:
         )
 
 
+def all_of(bad: Sequence[MgjaxError], files: int) -> MgjaxError:
+    """One error for all bad files: the only one as it is, or all in a row."""
+    if len(bad) == 1:
+        return bad[0]
+    return MotionError(f"{len(bad)} of {files} files: {'; '.join(map(str, bad))}")
+
+
 def _together(said: dict[str, list[str]]) -> list[str]:
     """Notes that several clips have, once."""
     return [
         f"{names[0]}: {note}" if len(names) == 1 else f"{len(names)} clips: {note}"
         for note, names in said.items()
     ]
+
+
+def _motion_files(folder: Path) -> list[Path]:
+    """All motion files below a folder, each folder looked into once."""
+    seen: set[str] = set()
+    found: list[Path] = []
+    folders, links = [folder], []
+    while folders or links:
+        here = folders.pop() if folders else links.pop(0)
+        real = os.path.realpath(here)
+        if real in seen:
+            continue
+        seen.add(real)
+        with contextlib.suppress(PermissionError):
+            for path in sorted(here.iterdir()):
+                if path.is_dir():
+                    (links if path.is_symlink() else folders).append(path)
+                elif path.suffix.lower() in SUFFIXES and path.is_file():
+                    found.append(path)
+    return found
 
 
 def _same_motion(a: Motion, b: Motion) -> bool:

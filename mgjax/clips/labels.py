@@ -4,7 +4,8 @@
                                     "direction": "left", "genuine": true}]}}
 
 Clip paths are relative to the labels file's folder, else to the clips' folder. ``direction``
-(default none) and ``genuine`` (default true) may be left out; further keys are left unread.
+(default none) and ``genuine`` (default true) may be left out; further keys are left unread. In
+paths ``\\`` means ``/``, as Windows writes it, unless a file is called so.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from mgjax.clips.types import Clip, Label, Labels
 from mgjax.core.errors import LabelError
 from mgjax.io.json_text import parse_json
 from mgjax.io.text import read_text
+from mgjax.io.user_path import user_path
 
 
 def load_labels(
@@ -30,11 +32,13 @@ def load_labels(
             its clip, empty, or overlapping another.
     """
     document = _parse(path)
-    known = {(Path(clips_folder) / clip.name).resolve(): clip for clip in clips}
+    known = {(user_path(clips_folder) / clip.name).resolve(): clip for clip in clips}
     labels_of: dict[str, tuple[Label, ...]] = {}
     for name, intervals in document.items():
         try:
-            places = [(Path(base) / name).resolve() for base in (Path(path).parent, clips_folder)]
+            bases = (Path(path).parent, user_path(clips_folder))
+            names = (name, name.replace("\\", "/"))
+            places = [(base / user_path(each)).resolve() for each in names for base in bases]
             there = any(p.is_file() for p in places)
         except (OSError, ValueError):  # a name that no file can have
             places, there = [], False
@@ -138,5 +142,5 @@ def _line_of(path: str | Path, clip: str) -> int | None:
         lines = Path(path).read_text(errors="replace").splitlines()
     except OSError:
         return None
-    key = json.dumps(clip)
-    return next((no for no, line in enumerate(lines, 1) if key in line), None)
+    keys = json.dumps(clip), json.dumps(clip.replace("/", "\\"))
+    return next((no for no, line in enumerate(lines, 1) if any(k in line for k in keys)), None)

@@ -69,6 +69,22 @@ def from_axis_angle(axis: Float[Array, "*a 3"], angle: Float[Array, "*b"]) -> Fl
     return xp.concatenate([w, xyz], axis=-1)
 
 
+def exp(vector: Float[Array, "*b 3"]) -> Float[Array, "*b 4"]:
+    """The rotation about a vector by its length, rad: the inverse of :func:`log`."""
+    xp = namespace(vector)
+    angle = xp.sqrt(xp.maximum(xp.sum(vector * vector, axis=-1, keepdims=True), _TINY**2))
+    share = 0.5 * xp.sinc(0.5 * angle / math.pi)
+    return xp.concatenate([xp.cos(0.5 * angle), share * vector], axis=-1)
+
+
+def log(q: Float[Array, "*b 4"]) -> Float[Array, "*b 3"]:
+    """The rotation vector of a unit quaternion: its axis times its angle, 0 … π rad."""
+    xp = namespace(q)
+    q = xp.where(q[..., :1] < 0, -q, q)
+    sine = xp.sqrt(xp.maximum(xp.sum(q[..., 1:] ** 2, axis=-1), 1e-16))
+    return (2 * xp.arctan2(sine, q[..., 0]) / sine)[..., None] * q[..., 1:]
+
+
 def from_yaw(angle: Float[Array, "*b"]) -> Float[Array, "*b 4"]:
     """Rotation by ``angle`` (rad) about +Y, which turns +Z towards +X."""
     xp = namespace(angle)

@@ -19,9 +19,9 @@ from mgjax.core import quaternion, two_bone
 from mgjax.core.arrays import Array
 from mgjax.core.body.roles import require_roles
 from mgjax.core.contacts import floor_steps, foot_joints, stays_planted
-from mgjax.core.easing import smoothstep
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
+from mgjax.core.timing.easing import smoothstep
 
 SHORT_GAP = 1 / 6
 """Share of the frames of a transition in which a foot cannot get from one plant to the next."""

@@ -12,6 +12,7 @@ from mgjax.core.skeleton import Skeleton, validate_skeleton
 from mgjax.graph.types import MotionGraph
 from mgjax.io.store import load_arrays, save_arrays
 from mgjax.io.text import reason
+from mgjax.io.user_path import user_path
 
 FORMAT_VERSION = 1
 FILE_NAME = "graph.safetensors"
@@ -69,7 +70,7 @@ def load_graph(path: str | Path) -> MotionGraph:
     Raises:
         FileFormatError: there is none, it is damaged, or of another format version.
     """
-    file = Path(path) / FILE_NAME
+    file = user_path(path) / FILE_NAME
     arrays, metadata = load_arrays(file, "motion graph")
     version = metadata.get("format_version")
     if version != FORMAT_VERSION:

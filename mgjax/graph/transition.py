@@ -11,9 +11,9 @@ from jaxtyping import Bool, Float, Int
 
 from mgjax.core import planar, quaternion
 from mgjax.core.arrays import Array
-from mgjax.core.easing import smoothstep
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
+from mgjax.core.timing.easing import smoothstep
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.graph.feet import FootChains, keep_plants
 from mgjax.graph.plants import inherited_frames

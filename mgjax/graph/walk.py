@@ -57,6 +57,29 @@ def make_walk(
     return Walk(edges=chosen, scales=factors)
 
 
+def random_walk(graph: MotionGraph, node: int, seconds: float, seed: int) -> Walk:
+    """Edges drawn at random from a node on, until they last so long."""
+    rng = np.random.default_rng(seed)
+    edges = [int(rng.choice(graph.edges_from(node)))]
+    end = graph.edge_frames[edges[0]] / graph.frame_rate
+    while end < seconds:
+        edges.append(int(rng.choice(graph.edges_from(int(graph.edge_target[edges[-1]])))))
+        end += graph.edge_frames[edges[-1]] / graph.frame_rate
+    return make_walk(graph, edges)
+
+
+def extend(graph: MotionGraph, walk: Walk, until: float) -> Walk:
+    """The walk with first out-edges appended until it lasts ``until`` seconds."""
+    edges, scales = list(walk.edges), list(walk.scales)
+    end = float(walk.starts(graph)[-1])
+    while end < until:
+        edge = int(graph.edges_from(int(graph.edge_target[edges[-1]]))[0])
+        edges.append(edge)
+        scales.append(1.0)
+        end += graph.edge_frames[edge] / graph.frame_rate
+    return Walk(edges=np.array(edges), scales=np.array(scales))
+
+
 def place_edges(
     graph: MotionGraph, edges: np.ndarray, start: Float[np.ndarray, "3"] | None = None
 ) -> Float[np.ndarray, "L 3"]:

@@ -10,7 +10,7 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.checks.written import SphereTrajectory, clearance
 from mgjax.avoidance.choice.selection import Selection
-from mgjax.avoidance.timing.time_warp import part_moments
+from mgjax.avoidance.timing.walk_warps import part_moments
 from mgjax.core.kinematics import global_positions
 from mgjax.graph.types import MotionGraph
 

@@ -34,6 +34,7 @@ from mgjax.core.errors import ConfigError, MgjaxError
 from mgjax.core.xla.compilation import enable_cache
 from mgjax.io.output import output_folder
 from mgjax.io.toml_file import to_toml
+from mgjax.io.user_path import user_path
 from mgjax.runs.record import (
     CompileTimes,
     Points,
@@ -219,7 +220,7 @@ def _parser(run: Callable[..., Results], kind: type) -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     add = parser.add_argument
-    add("--config", type=Path, metavar="FILE", help="TOML file of settings")
+    add("--config", type=user_path, metavar="FILE", help="TOML file of settings")
     add(
         "--set",
         dest="settings",
@@ -229,7 +230,7 @@ def _parser(run: Callable[..., Results], kind: type) -> argparse.ArgumentParser:
         help="one setting, after --config and --smoke; may be given more than once",
     )
     add("--smoke", action="store_true", help="a tiny version of it")
-    add("--out", type=Path, metavar="DIR", help=f"default: out/{room}/{name}")
-    add("--runs", type=Path, metavar="FILE", help="add one JSON line on this run to the file")
+    add("--out", type=user_path, metavar="DIR", help=f"default: out/{room}/{name}")
+    add("--runs", type=user_path, metavar="FILE", help="add one JSON line on this run to the file")
     add("--json", action="store_true", help="print metrics.json on stdout")
     return parser

@@ -116,8 +116,34 @@ BONES = tuple(bone.name for bone in HUMAN_BONES)
 PARENTS = tuple(BONES.index(bone.parent) if bone.parent else -1 for bone in HUMAN_BONES)
 JOINT_NAMES = tuple(bone.joint for bone in HUMAN_BONES)
 """What the joints of a received body are called: as in the embedded skeleton."""
+_BY_NAME = {name.lower(): bone for bone, name in enumerate(BONES)}
+_FINGERS = {
+    "Thumb": ("Metacarpal", "Proximal", "Intermediate", "Distal"),
+    **dict.fromkeys(("Index", "Middle", "Ring", "Little"), ("Proximal", "Intermediate", "Distal")),
+}
+"""The thumb's bones are Proximal, Intermediate and Distal in Unity and VRM 0, and Metacarpal,
+Proximal and Distal in VRM 1."""
+_UNUSED = {
+    *("jaw", "lefteye", "righteye"),
+    *(
+        f"{side}{finger}{part}".lower()
+        for side in ("Left", "Right")
+        for finger, parts in _FINGERS.items()
+        for part in parts
+    ),
+}
 NEEDED = tuple(number for number, bone in enumerate(HUMAN_BONES) if bone.needed)
 """Without these a body has no legs."""
+
+
+def find_bone(name: str) -> int | None:
+    """The number of a bone, in any letter case: Unity and VRM 0 say LeftHand, VRM 1 leftHand."""
+    return _BY_NAME.get(name.lower())
+
+
+def is_unused(name: str) -> bool:
+    """Whether it is a bone of the humanoid that is not used: an eye, the jaw, or of a finger."""
+    return name.lower() in _UNUSED
 
 
 def nearest_above(bone: int, present: Collection[int]) -> int:

@@ -11,9 +11,11 @@ from jaxtyping import Float
 
 from mgjax.core.skeleton import Skeleton
 from mgjax.sensor.body import ROOT, HeldBody, Parts
-from mgjax.sensor.bone_table import BONES
+from mgjax.sensor.bone_table import BONES, NEEDED, find_bone, is_unused
 from mgjax.sensor.bones import usual_places
+from mgjax.sensor.counts import Counts
 from mgjax.sensor.packets import Packet, Transform, parse_packet
+from mgjax.sensor.sender_clock import SenderClock
 
 BREAK_S = 1.0
 """A jump of the time by more than this is a new stream; a sender silent for longer is replaced."""
@@ -21,7 +23,8 @@ WAIT_S = 0.03
 """How much later, by the sender's clock, something has to be to end the wait for missing bones."""
 _MOST_OPEN = 16
 """Frames that wait at a time."""
-_INDEX = {name: bone for bone, name in enumerate(BONES)}
+_MOST_HELD = 256
+"""Packets that wait at most until the sender's clock is trusted or not."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,7 +32,8 @@ class SensorFrame:
     """One frame of a received body.
 
     Attributes:
-        time_s: by the sender's clock, s; rises from frame to frame of a stream.
+        time_s: by the sender's clock, s, or that of the arrivals where the sender's is wrong; rises
+            from frame to frame of a stream.
         arrival_s: when the last of it came, by the receiver's clock, s.
         stream: rises by one where the sender starts anew; then the frames before are history.
         body: the sender's body in the T-pose, with the joint names of the embedded skeleton.
@@ -45,34 +49,14 @@ class SensorFrame:
     held: int
 
 
-@dataclass(kw_only=True)
-class Counts:
-    """What became of all that was received.
-
-    Attributes:
-        datagrams: received.
-        malformed: broken datagrams, and broken messages in others; dropped.
-        unknown: messages with an address, or bones with a name, that is not used; ignored.
-        foreign: datagrams of a second sender while the first still sends; dropped unread.
-        stale: datagrams of a frame that is over, or of an earlier one; dropped.
-        frames: given out.
-        overrun: frames dropped, the oldest first, because nobody took them.
-        streams: times that a sender started anew.
-    """
-
-    datagrams: int = 0
-    malformed: int = 0
-    unknown: int = 0
-    foreign: int = 0
-    stale: int = 0
-    frames: int = 0
-    overrun: int = 0
-    streams: int = 0
-
-
 @runtime_checkable
 class FrameSource(Protocol):
     """Whatever gives the frames of a sender, such as a receiver."""
+
+    @property
+    def counts(self) -> Counts:
+        """What became of all packets so far."""
+        ...
 
     def frames(self, seconds: float) -> Iterator[SensorFrame]:
         """The frames that come within so many seconds, as they come."""
@@ -88,15 +72,25 @@ class FrameAssembler:
     comes that is ``WAIT_S`` later; bones that are missing then are held. Without any
     ``/VMC/Ext/T`` a frame ends where a bone comes again, and has the time tag of its bundle or
     that of its arrival. What belongs to a frame that is over, or to an earlier one, is dropped.
-    The first frames only show what bones there are (:class:`HeldBody`).
+    The first frames only show what bones there are (:class:`HeldBody`), and whether the sender's
+    clock tells the time (:class:`SenderClock`). Where it does not, the stream is taken as one
+    without any times, and frames have that of their arrival.
     """
 
     def __init__(self) -> None:
         self.counts = Counts()
         self._usual = usual_places()
-        self._source: Hashable = None
         self._heard_s = -np.inf
+        self._hear(None)
         self._start()
+
+    def _hear(self, source: Hashable) -> None:
+        """From now on listens to this sender."""
+        self._source = source
+        self._clock = SenderClock()
+        self._held: list[tuple[Packet, Parts, float]] | None = []
+        self._needed = set(NEEDED)
+        self.counts.clock_fault = ""
 
     def _start(self) -> None:
         """Forgets everything about the stream."""
@@ -129,13 +123,40 @@ class FrameAssembler:
         if not packet.useful:
             return []
         if source != self._source or self.counts.streams == 0:
-            self._source = source
+            self._hear(source)
             self._begin_stream()
+            self.counts.sender = ":".join(map(str, source)) if isinstance(source, tuple) else ""
         self._heard_s = arrival_s
+        parts = self._parts(packet)
+        self._look(packet, parts, arrival_s)
+        if self._held is None:
+            return self._take(packet, parts, arrival_s)
+        self._held.append((packet, parts, arrival_s))
+        if not self._clock.judged and len(self._held) < _MOST_HELD:
+            return []
+        held, self._held = self._held, None
+        return [frame for one in held for frame in self._take(*one)]
+
+    def _look(self, packet: Packet, parts: Parts, arrival_s: float) -> None:
+        """Judges the sender's clock; one that goes wrong later begins a new stream."""
+        bones = parts.keys() - {ROOT}
+        self._clock.look(packet.time_s, bones, arrival_s)
+        if self._clock.fault and not self.counts.clock_fault:
+            self.counts.clock_fault = self._clock.fault
+            if self._held is None:
+                self._begin_stream()
+        if self._needed:
+            self._needed -= bones
+            self.counts.missing_bones = tuple(BONES[bone] for bone in sorted(self._needed))
+
+    def _take(self, packet: Packet, parts: Parts, arrival_s: float) -> list[SensorFrame]:
+        """Adds a packet to its frame; returns the frames that are over now."""
         if packet.loaded is not None:
             self._loaded = packet.loaded
-        parts = self._parts(packet)
-        if packet.time_s is not None:
+        if self._clock.fault:
+            if parts:
+                self._take_unstamped(arrival_s, parts)
+        elif packet.time_s is not None:
             self._take_stamped(packet.time_s, parts)
         elif parts and self._stamped:
             self._take_after_stamp(parts)
@@ -151,14 +172,17 @@ class FrameAssembler:
         """What a packet says of the bones that are used."""
         parts: dict[int, Transform] = {} if packet.root is None else {ROOT: packet.root}
         for name, transform in packet.bones.items():
-            bone = _INDEX.get(name)
+            bone = find_bone(name)
+            if bone is None and not self.counts.strange_bone and not is_unused(name):
+                self.counts.strange_bone = name
             if bone is None or (self._body.bones and bone not in self._body.bones):
                 self.counts.unknown += 1
             else:
                 parts[bone] = transform
+                self.counts.bones += 1
         return parts
 
-    def _take_stamped(self, time_s: float, parts: dict[int, Transform]) -> None:
+    def _take_stamped(self, time_s: float, parts: Parts) -> None:
         if not self._stamped:
             # What came before the first stamp is of another clock.
             self._open, self._over, self._newest, self._last = {}, set(), None, -np.inf
@@ -172,13 +196,13 @@ class FrameAssembler:
         else:
             self._stamp = time_s
 
-    def _take_after_stamp(self, parts: dict[int, Transform]) -> None:
+    def _take_after_stamp(self, parts: Parts) -> None:
         if self._stamp is None:
             self._loose.update(parts)
         else:
             self._put(self._stamp, parts)
 
-    def _take_unstamped(self, time_s: float, parts: dict[int, Transform]) -> None:
+    def _take_unstamped(self, time_s: float, parts: Parts) -> None:
         if self._loose.keys() & parts.keys():
             if self._put(self._loose_s, self._loose):
                 self._over.add(self._loose_s)
@@ -190,7 +214,7 @@ class FrameAssembler:
             self._put(self._loose_s, self._loose)
             self._loose = {}
 
-    def _put(self, time_s: float, parts: dict[int, Transform]) -> bool:
+    def _put(self, time_s: float, parts: Parts) -> bool:
         """Adds to the frame of a time; whether it is not over yet."""
         if self._newest is not None and abs(time_s - self._newest) > BREAK_S:
             kept = self._stamped, self._stamp, self._loaded
@@ -224,6 +248,7 @@ class FrameAssembler:
         self._last = time_s
         self._body.update(parts)
         skeleton = self._body.skeleton
+        self.counts.no_body += not self._loaded
         if skeleton is None or not self._loaded:
             return []
         self.counts.frames += 1

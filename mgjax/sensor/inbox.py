@@ -8,7 +8,8 @@ from collections.abc import Hashable, Iterator
 from dataclasses import replace
 
 from mgjax.sensor.clock import Clock, clock
-from mgjax.sensor.frames import Counts, FrameAssembler, SensorFrame
+from mgjax.sensor.counts import Counts
+from mgjax.sensor.frames import FrameAssembler, SensorFrame
 
 WAITING_FRAMES = 512
 """Frames that wait to be taken; when there are more, the oldest is dropped."""

@@ -4,7 +4,9 @@ The VMC protocol (protocol.vmc.info): ``/VMC/Ext/Root/Pos`` and ``/VMC/Ext/Bone/
 a place (x, y, z) and a rotation (x, y, z, w), local to the parent; ``/VMC/Ext/T`` has the sender's
 relative time in seconds, ``/VMC/Ext/OK`` whether a body is loaded. Unknown addresses and
 arguments in excess are ignored, as it says; so are these messages with other or too few arguments,
-which are counted.
+which are counted. The protocol has floats (``f``) for places and an integer (``i``) for the state;
+senders in scripting languages write what their numbers look like, so that each of the number types
+``i h f d T F`` of OSC 1.0 is taken wherever a number is expected.
 
 python-osc sends, but does not read here: its reader does not come to an end on a bundle with an
 element of negative size, recurses as deep as bundles are nested, takes missing bytes of a number
@@ -28,14 +30,19 @@ MAX_NAME = 64
 """Bytes of a bone's name."""
 MAX_PLACE_M = 1000.0
 """A place farther away is a broken one."""
-MAX_TIME_S = 1e9
+MAX_TIME_S = 1e13
+"""Milliseconds since 1970 are below it."""
 
-_FORMS = {
-    b"/VMC/Ext/Bone/Pos": b"sfffffff",
-    b"/VMC/Ext/Root/Pos": b"sfffffff",
-    b"/VMC/Ext/T": b"f",
-    b"/VMC/Ext/OK": b"i",
-}
+_BONE, _ROOT, _TIME, _OK = (
+    b"/VMC/Ext/Bone/Pos",
+    b"/VMC/Ext/Root/Pos",
+    b"/VMC/Ext/T",
+    b"/VMC/Ext/OK",
+)
+_NUMBERS = {_BONE: 7, _ROOT: 7, _TIME: 1, _OK: 1}
+"""How many numbers a message has; with seven of them comes a name before."""
+_NUMBER_FORMS = {"i": "i", "h": "q", "f": "f", "d": "d", "T": "", "F": ""}
+"""How the number types of OSC are packed; true and false are in the tag alone."""
 
 Transform = tuple[float, ...]
 """Place x, y, z (m) and unit rotation x, y, z, w, as sent."""
@@ -124,28 +131,30 @@ def _time_tag(datagram: bytes) -> float | None:
 def _take(packet: Packet, message: bytes) -> None:
     """Adds one message to what is known of its packet."""
     address, at = _string(message, 0, len(message))
-    form = _FORMS.get(address)
-    if form is None:
+    count = _NUMBERS.get(address)
+    if count is None:
         packet.unknown += 1
         return
     tags, at = _string(message, at, len(message))
-    if not tags.startswith(b"," + form):
+    named = b"s" if count == 7 else b""
+    if not tags.startswith(b"," + named):
         raise _Malformed
-    if form == b"f":
-        (time,) = _numbers(message, at, ">f")
-        if not abs(time) <= MAX_TIME_S:
-            raise _Malformed
-        packet.time_s = time
-    elif form == b"i":
-        packet.loaded = _numbers(message, at, ">i")[0] != 0
-    else:
+    kinds = tags[1 + len(named) :][:count].decode("latin-1")
+    raw = b""
+    if named:
         raw, at = _string(message, at, MAX_NAME)
-        values = _transform(_numbers(message, at, ">7f"))
-        if address == b"/VMC/Ext/Root/Pos":
-            packet.root = values
-            return
+    values = _numbers(message, at, kinds, count)
+    if address == _TIME:
+        if not abs(values[0]) <= MAX_TIME_S:
+            raise _Malformed
+        packet.time_s = values[0]
+    elif address == _OK:
+        packet.loaded = values[0] != 0
+    elif address == _ROOT:
+        packet.root = _transform(values)
+    else:
         try:
-            packet.bones[raw.decode()] = values
+            packet.bones[raw.decode()] = _transform(values)
         except UnicodeDecodeError:
             raise _Malformed from None
 
@@ -159,10 +168,15 @@ def _string(message: bytes, start: int, longest: int) -> tuple[bytes, int]:
     return message[start:end], after
 
 
-def _numbers(message: bytes, start: int, form: str) -> tuple:
+def _numbers(message: bytes, start: int, kinds: str, count: int) -> tuple[float, ...]:
+    """So many numbers of any of OSC's number types."""
+    if len(kinds) < count or not _NUMBER_FORMS.keys() >= set(kinds):
+        raise _Malformed
+    form = ">" + "".join(_NUMBER_FORMS[kind] for kind in kinds)
     if start + struct.calcsize(form) > len(message):
         raise _Malformed
-    return struct.unpack_from(form, message, start)
+    packed = iter(struct.unpack_from(form, message, start))
+    return tuple(float(kind == "T" if kind in "TF" else next(packed)) for kind in kinds)
 
 
 def _transform(values: tuple[float, ...]) -> Transform:

@@ -10,7 +10,8 @@ from types import TracebackType
 from mgjax.core.errors import ConfigError
 from mgjax.sensor.clock import Clock, clock
 from mgjax.sensor.config import HOST, PORT
-from mgjax.sensor.frames import Counts, SensorFrame
+from mgjax.sensor.counts import Counts
+from mgjax.sensor.frames import SensorFrame
 from mgjax.sensor.inbox import FrameInbox
 
 _LONGEST = 65535

@@ -64,7 +64,7 @@ def test_lost(folder: Path, tmp_path: Path) -> None:
     ("text", "word"),
     [
         ("0,0\n", "1 point"),
-        ("0,0\n0,0\n0,1\n", "twice"),
+        ("0,0\n0,0\n", "1 point"),
         ("0,0\n0,nan\n", "nan"),
         ("0,0\n0,1\n0,90\n0,91\n", "jump"),
     ],

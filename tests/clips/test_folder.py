@@ -116,3 +116,26 @@ def test_real_capture(capture):
     assert notes == []
     assert [c.name for c in clips] == sorted(c.name for c in clips)
     assert all(c.name.endswith(".amc") and c.motion.frame_rate == 120 for c in clips)
+
+
+def test_links_to_folders_are_followed_and_each_folder_counts_once(folder, tmp_path_factory):
+    """A folder elsewhere, a second way to one that is here, and a link back to the top."""
+    other = tmp_path_factory.mktemp("other")
+    (other / "deeper").mkdir()
+    save_bvh(other / "deeper" / "w.bvh", BODY, make_motion(BODY, 6, seed=7))
+    (other / "deeper" / "top").symlink_to(folder, target_is_directory=True)
+    (folder / "a").symlink_to(folder / "b", target_is_directory=True)
+    (folder / "b" / "up").symlink_to(folder, target_is_directory=True)
+    (folder / "linked").symlink_to(other, target_is_directory=True)
+    (folder / "nowhere").symlink_to(folder / "nothing", target_is_directory=True)
+    (folder / "itself").symlink_to(folder / "itself", target_is_directory=True)
+    assert names(folder) == ["b/deep/x.bvh", "b/y.BVH", "linked/deeper/w.bvh", "z.bvh"]
+    # The folder itself may be a link, too.
+    link = tmp_path_factory.mktemp("links") / "clips"
+    link.symlink_to(folder, target_is_directory=True)
+    assert names(link) == names(folder)
+
+
+def test_home(folder, monkeypatch):
+    monkeypatch.setenv("HOME", str(folder))
+    assert names("~/b") == ["deep/x.bvh", "y.BVH"]

@@ -49,6 +49,24 @@ def test_all_fields(tmp_path):
     assert got == {"one.bvh": (one,), "sub/two.bvh": (two,)}
 
 
+def test_a_backslash_means_a_slash(tmp_path):
+    (label,) = load(tmp_path, {"clips": {"sub\\two.bvh": [GOOD]}})["sub/two.bvh"]
+    assert label == Label(start_s=0.5, end_s=1.0, kind="duck")
+    late = {**GOOD, "end_s": 99.0}
+    assert "labels.json:3: got 'sub/two.bvh'" in error(
+        tmp_path, {"clips": {"sub\\two.bvh": [late]}}
+    )
+    # Unless a clip is called so, as it may be here.
+    odd = made("sub\\two.bvh")
+    got = load(tmp_path, {"clips": {"sub\\two.bvh": [GOOD]}}, [*CLIPS, odd])
+    assert got.keys() == {"sub\\two.bvh"}
+
+
+def test_home(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path / "sub"))
+    assert load(tmp_path, {"clips": {"~/two.bvh": [GOOD]}}).keys() == {"sub/two.bvh"}
+
+
 def test_direction_none_is_none_and_whole_numbers_are_numbers(tmp_path):
     item = {"start_s": 0, "end_s": 1, "kind": "duck", "direction": "none"}
     (got,) = load(tmp_path, {"clips": {"one.bvh": [item]}})["one.bvh"]

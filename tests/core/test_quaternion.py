@@ -122,6 +122,26 @@ def test_axis_angle_matches_rodrigues(batch):
 
 
 @over_batch_shapes
+def test_rotation_vectors(batch):
+    vector = vectors(batch, 10)
+    angle = np.linalg.norm(vector, axis=-1)
+    turned = quaternion.exp(vector)
+    wanted = quaternion.from_axis_angle(vector / angle[..., None], angle)
+    np.testing.assert_allclose(turned, wanted, atol=1e-6)
+    back = quaternion.log(-turned)  # the same rotation
+    short = np.where(
+        (angle > np.pi)[..., None], vector * (1 - 2 * np.pi / angle)[..., None], vector
+    )
+    np.testing.assert_allclose(back, short, atol=1e-5)
+    for tiny in (0.0, 1e-13, 1e-5):
+        small = np.array([tiny, 0.0, 0.0])
+        np.testing.assert_allclose(quaternion.exp(small), [1.0, tiny / 2, 0.0, 0.0], atol=1e-10)
+        np.testing.assert_allclose(quaternion.log(quaternion.exp(small)), small, atol=1e-12)
+    half = quaternion.log(np.array([0.0, 0.0, 1.0, 0.0]))
+    np.testing.assert_allclose(half, [0.0, np.pi, 0.0], atol=1e-12)
+
+
+@over_batch_shapes
 def test_slerp_matches_reference_and_ends(batch):
     a, b = unit_quaternions(batch, 10), unit_quaternions(batch, 11)
     t = scalars(batch, 12, 0, 1)
@@ -189,6 +209,8 @@ def everything(a, b, t, u, v):
         quaternion.rotate(a, u),
         quaternion.normalise(2.0 * a),
         quaternion.from_axis_angle(u, t),
+        quaternion.exp(u),
+        quaternion.log(a),
         quaternion.from_yaw(t),
         quaternion.from_euler(u, "ZXY"),
         quaternion.from_two_vectors(u, v),
@@ -271,6 +293,8 @@ def test_euler_at_the_pole_has_finite_gradient(pitch):
 def test_normalise_and_axis_angle_of_nothing_have_finite_gradients():
     assert_finite_gradient(quaternion.normalise, np.zeros(4))
     assert_finite_gradient(quaternion.from_axis_angle, X, np.array(0.0))
+    assert_finite_gradient(quaternion.exp, np.zeros(3))
+    assert_finite_gradient(quaternion.log, ONE)
 
 
 def test_shapes_are_checked():

@@ -189,10 +189,11 @@ def test_a_sender_without_a_body_says_so() -> None:
 
 def test_bones_of_no_use() -> None:
     assembler = settled()
-    more = [bone("LeftEye"), bone("Tail"), bone("Spine"), bone("hips")]
+    more = [bone("LeftEye"), bone("Tail"), bone("Spine"), bone("leftThumbMetacarpal")]
     (frame,) = feed(assembler, [bundle(stamp(100), *more, *legs(100))])
     assert len(frame.positions) == len(NAMES)
     assert assembler.counts.unknown == 4
+    assert assembler.counts.strange_bone == "Tail"
     # Without legs there is no body, however long it takes.
     assert feed(FrameAssembler(), [bundle(stamp(k), *legs(k, NAMES[:4])) for k in range(200)]) == []
 

@@ -64,6 +64,20 @@ def test_by_hand() -> None:
     assert not parse_packet(HEAD).useful
 
 
+def test_any_number_type_is_taken_where_a_number_is_expected() -> None:
+    assert parse_packet(b"/VMC/Ext/T\0\0,i\0\0\0\0\0\x07") == Packet(time_s=7.0)
+    assert parse_packet(b"/VMC/Ext/T\0\0,h\0\0" + struct.pack(">q", 2**40)).time_s == 2.0**40
+    assert parse_packet(b"/VMC/Ext/T\0\0,d\0\0" + struct.pack(">d", 0.1)).time_s == 0.1
+    assert parse_packet(b"/VMC/Ext/OK\0,F\0\0") == Packet(loaded=False)
+    assert parse_packet(b"/VMC/Ext/OK\0,T\0\0") == Packet(loaded=True)
+    assert parse_packet(message("/VMC/Ext/OK", 1.0)) == Packet(loaded=True)
+    mixed = b"/VMC/Ext/Bone/Pos\0\0\0,sidhfFFT\0\0\0Hips\0\0\0\0"
+    mixed += struct.pack(">idqf", -1, 0.25, 2, 0.0)
+    assert parse_packet(mixed).bones == {"Hips": (-1.0, 0.25, 2.0, 0.0, 0.0, 0.0, 1.0)}
+    assert parse_packet(mixed[:-4]) == Packet(malformed=1)
+    assert parse_packet(mixed.replace(b"sid", b"ssd")) == Packet(malformed=1)
+
+
 BROKEN = {
     "nothing": b"",
     "no packet": b"hello\0\0\0",
@@ -76,7 +90,7 @@ BROKEN = {
     "too long": HEAD + struct.pack(">i", 2**31 - 1) + b"/a\0\0",
     "half a size": HEAD + b"\0\0",
     "no tags": b"/VMC/Ext/T\0\0",
-    "other tags": message("/VMC/Ext/T", 1),
+    "other tags": message("/VMC/Ext/T", "now"),
     "few arguments": message(BONE, "Hips", 1.0, 2.0, 3.0),
     "cut numbers": bone("Hips")[:-4],
     "tags alone": b"/VMC/Ext/Bone/Pos\0\0\0,sfffffff\0\0\0",

@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 from mgjax.sensor.config import ReplayConfig, validate_replay
-from mgjax.sensor.frames import Counts, SensorFrame
+from mgjax.sensor.counts import Counts
+from mgjax.sensor.frames import SensorFrame
 from mgjax.sensor.inbox import WAITING_FRAMES, FrameInbox
 from mgjax.sensor.replay import Recording
 

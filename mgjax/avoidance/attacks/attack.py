@@ -70,6 +70,12 @@ class Attack:
                 out[:, column] = np.interp(held, self.times, flat[:, column])
         return out.reshape(len(times), *self.centres.shape[1:])
 
+    def sampled(
+        self, times: Float[np.ndarray, " T"]
+    ) -> tuple[Float[np.ndarray, "T I 3"], Bool[np.ndarray, "T I"]]:
+        """Centres at any time, and whether each sphere is there."""
+        return self.at(times), self.active(times)
+
     def lives(self, times: Float[np.ndarray, " T"]) -> Bool[np.ndarray, "V I"]:
         """Whether each sphere is there at any moment between two times."""
         starts, stops = self.lifetimes

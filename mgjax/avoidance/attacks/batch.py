@@ -86,6 +86,19 @@ class AttackBatch:
         """Spheres with their padding."""
         return self.frames.shape[2] // 3
 
+    @property
+    def is_long(self) -> bool:
+        """Whether they have so many frames that they are padded to the larger size."""
+        return self.frames.shape[1] > FRAME_BUCKET
+
+    def as_long(self) -> AttackBatch:
+        """The same attacks padded to the larger size, as it goes with long walks."""
+        if self.is_long:
+            return self
+        beyond = bucket_size(FRAME_BUCKET + 1, FRAME_BUCKET, 32) - self.frames.shape[1]
+        frames = np.pad(np.asarray(self.frames), ((0, 0), (0, beyond), (0, 0)), mode="edge")
+        return AttackBatch(frames=frames, numbers=self.numbers)
+
     def number(self, column: AttackColumn) -> Float[Array, " A"]:
         """One of the numbers of all attacks."""
         return self.numbers[:, column]
@@ -102,14 +115,8 @@ def empty_attack_batch(frames: int, spheres: int) -> AttackBatch:
     return AttackBatch(frames=np.zeros((1, frames, 3 * spheres), np.float32), numbers=numbers)
 
 
-def frames_of(attack: Attack) -> tuple[int, int]:
-    """The first frame of the written motion at which an attack counts, and the last."""
-    first = math.floor(max(attack.start, 0.0) * EXPORT_RATE)
-    return first, max(math.ceil(attack.end * EXPORT_RATE), first + 1)
-
-
 def make_attack_batch(
-    attack: Attack, crop: Crop, config: AvoidanceConfig, reach: float, *, long: bool = False
+    attack: Attack, crop: Crop, config: AvoidanceConfig, reach: float
 ) -> AttackBatch:
     """One attack, padded to one of few sizes.
 
@@ -117,16 +124,16 @@ def make_attack_batch(
         attack, crop: the attack, and the part of it that counts for timing and energies.
         config: settings.
         reach: how far any point of the body can be from its root, m.
-        long: pads it to a larger size.
     """
     begin, end = max(attack.start, 0.0), attack.end
-    first, last = frames_of(attack)
+    # The frames of the written motion at which it counts.
+    first = math.floor(begin * EXPORT_RATE)
+    last = max(math.ceil(end * EXPORT_RATE), first + 1)
     step = 1 / EXPORT_RATE
     count, spheres = last - first + 1, len(attack.radii)
     slots = bucket_size(spheres, SPHERE_BUCKET, 8)
     times = np.arange(first, last + 1) * step
-    size = bucket_size(max(count, FRAME_BUCKET + 1 if long else 0), FRAME_BUCKET, 32)
-    frames = np.empty((1, size, 3 * slots), np.float32)
+    frames = np.empty((1, bucket_size(count, FRAME_BUCKET, 32), 3 * slots), np.float32)
     frames[0, :, 3 * spheres :] = 0
     if attack.starts is None and attack.stops is None:
         for k, column in enumerate(attack.centres.reshape(len(attack.times), -1).T):

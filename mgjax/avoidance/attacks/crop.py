@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import islice, pairwise
-from typing import TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +16,6 @@ _RATE = 1000.0
 _FEW = 24
 """Most coordinates of knots that are looked at one by one."""
 _MARGIN_M = 1e-6
-_Line: TypeAlias = tuple[tuple[float, list[float]], tuple[float, list[float]]]
-"""A time and a place, and a later time with its place."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,55 +131,59 @@ def _first_and_last(
         for order, turn in ((lines, 1), (lines[::-1], -1)):
             inside = (
                 number
-                for line in order
-                for number in _about_inside(line, samples, radius, height)[::turn]
-                if _is_inside(samples.time(number), line, radius, height)
+                for line in (_Line(*start, *stop) for start, stop in order)
+                for number in line.about_inside(samples, radius, height)[::turn]
+                if line.is_inside(samples.time(number), radius, height)
             )
             span += islice(inside, 1)
     return (min(span), max(span)) if span else None
 
 
-def _about_inside(line: _Line, samples: _Samples, radius: float, height: float) -> range:
-    """The moments at which a line is in the cylinder, perhaps some more."""
-    (t, a), (u, b) = line
-    shares = _shares_inside(a, b, radius, height)
-    if shares is None:
-        return range(0)
-    return samples.between(t + shares[0] * (u - t), t + shares[1] * (u - t))
+class _Line(NamedTuple):
+    """A centre that moves straight from one place to another."""
 
+    start: float
+    a: list[float]
+    stop: float
+    b: list[float]
 
-def _shares_inside(
-    a: list[float], b: list[float], radius: float, height: float
-) -> tuple[float, float] | None:
-    """From which to which share of the way from a to b it is in the cylinder, with a margin."""
-    low, high = 0.0, 1.0
-    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    if abs(dy) > _MARGIN_M:
-        ends = sorted(((-_MARGIN_M - a[1]) / dy, (height + _MARGIN_M - a[1]) / dy))
-        low, high = max(low, ends[0]), min(high, ends[1])
-    squared, along = dx * dx + dz * dz, a[0] * dx + a[2] * dz
-    if squared > _MARGIN_M**2:
-        excess = a[0] * a[0] + a[2] * a[2] - (radius + _MARGIN_M) ** 2
-        root = along * along - squared * excess
-        if root < 0:
-            return None
-        root = math.sqrt(root)
-        low, high = max(low, (-along - root) / squared), min(high, (-along + root) / squared)
-    return (low, high) if low <= high else None
+    def about_inside(self, samples: _Samples, radius: float, height: float) -> range:
+        """The moments at which it is in the cylinder, perhaps some more."""
+        shares = self._shares_inside(radius, height)
+        if shares is None:
+            return range(0)
+        start, span = self.start, self.stop - self.start
+        return samples.between(start + shares[0] * span, start + shares[1] * span)
 
+    def _shares_inside(self, radius: float, height: float) -> tuple[float, float] | None:
+        """From which to which share of its way it is in the cylinder, with a margin."""
+        a, b = self.a, self.b
+        low, high = 0.0, 1.0
+        dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+        if abs(dy) > _MARGIN_M:
+            ends = sorted(((-_MARGIN_M - a[1]) / dy, (height + _MARGIN_M - a[1]) / dy))
+            low, high = max(low, ends[0]), min(high, ends[1])
+        squared, along = dx * dx + dz * dz, a[0] * dx + a[2] * dz
+        if squared > _MARGIN_M**2:
+            excess = a[0] * a[0] + a[2] * a[2] - (radius + _MARGIN_M) ** 2
+            root = along * along - squared * excess
+            if root < 0:
+                return None
+            root = math.sqrt(root)
+            low, high = max(low, (-along - root) / squared), min(high, (-along + root) / squared)
+        return (low, high) if low <= high else None
 
-def _is_inside(time: float, line: _Line, radius: float, height: float) -> bool:
-    """Whether a line is in the cylinder at a time; its place is to the last bit ``np.interp``'s."""
-    (t, a), (u, b) = line
-    if not t <= time <= u:
-        return False
-    x, y, z = b
-    if time < u:
-        since, span = time - t, u - t
-        x, y, z = [(q - p) / span * since + p for p, q in zip(a, b, strict=True)]
-    if not 0 <= y <= height:
-        return False
-    share = (x * x + z * z) / (radius * radius)
-    if abs(share - 1) > 1e-9:
-        return bool(share < 1)
-    return bool(np.hypot(x, z) <= radius)
+    def is_inside(self, time: float, radius: float, height: float) -> bool:
+        """Whether it is in the cylinder at a time; its place is to the last bit ``np.interp``'s."""
+        if not self.start <= time <= self.stop:
+            return False
+        x, y, z = self.b
+        if time < self.stop:
+            since, span = time - self.start, self.stop - self.start
+            x, y, z = [(q - p) / span * since + p for p, q in zip(self.a, self.b, strict=True)]
+        if not 0 <= y <= height:
+            return False
+        share = (x * x + z * z) / (radius * radius)
+        if abs(share - 1) > 1e-9:
+            return bool(share < 1)
+        return bool(np.hypot(x, z) <= radius)

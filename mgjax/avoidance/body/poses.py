@@ -74,7 +74,9 @@ def body_reach(skeleton: Skeleton, spheres: BodySpheres) -> float:
     for joint, parent in enumerate(skeleton.parents):
         if parent >= 0:
             lengths[joint] = lengths[parent] + np.linalg.norm(np.asarray(skeleton.offsets)[joint])
-    reach = np.maximum(lengths[spheres.first], lengths[spheres.second]) + spheres.radii
+    first, second = lengths[spheres.first], lengths[spheres.second]
+    beyond = np.maximum(spheres.share - 1, 0) * np.abs(second - first)
+    reach = np.maximum(first, second) + beyond + spheres.radii
     return float(reach.max())
 
 

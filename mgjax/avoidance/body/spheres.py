@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.core.arrays import Array
-from mgjax.core.body.height import body_height
+from mgjax.core.body.height import body_height, tree_of
 from mgjax.core.body.roles import find_role, require_roles
 from mgjax.core.skeleton import Skeleton
 
@@ -44,7 +44,7 @@ class BodySpheres:
     Attributes:
         names: one for each sphere, such as ``"left_knee-left_ankle 0.40"``.
         first, second: joint indices. [S]
-        share: place between them, 0 … 1. [S]
+        share: place between them, 0 … 1; above 1 beyond the second. [S]
         radii: m. [S]
     """
 
@@ -67,12 +67,24 @@ def preset_spheres(skeleton: Skeleton) -> BodySpheres:
     if height is None:
         require_roles(skeleton, ("left_hip",))
     scale = (height or PRESET_HEIGHT_M) / PRESET_HEIGHT_M
+    tree = tree_of(skeleton)
+    along = [tree.distance(0, joint) for joint in range(skeleton.num_joints)]
     rows: list[tuple[str, int, int, float, float]] = []
     for a, b, share, radius in _PRESET:
         for side in ("left", "right") if "@" in a else ("",):
             ends = [x.replace("@", side) for x in (a, b)]
             first, second = (_joint(skeleton, end) for end in ends)
-            rows.append((f"{ends[0]}-{ends[1]} {share:.2f}", first, second, share, radius * scale))
+            name = f"{ends[0]}-{ends[1]} {share:.2f}"
+            short = b in _BEYOND and along[second] - along[first] < _SHORT_M * scale
+            if short and skeleton.parents[first] > 0:
+                # The bone has no end in the skeleton: it goes on as the one before it.
+                second, first = first, skeleton.parents[first]
+                bone = max(float(along[second] - along[first]), 1e-3)
+                beyond = share * _BEYOND[b] * scale / bone
+                share_there = 1 + min(beyond, _FARTHEST)
+            else:
+                share_there = share
+            rows.append((name, first, second, share_there, radius * scale))
     return BodySpheres(
         names=tuple(row[0] for row in rows),
         first=np.array([row[1] for row in rows]),
@@ -81,6 +93,15 @@ def preset_spheres(skeleton: Skeleton) -> BodySpheres:
         radii=np.array([row[4] for row in rows], dtype=np.float32),
     )
 
+
+_BEYOND = {"head_end": 0.18, "@_hand": 0.09}
+"""Lengths of head and hand of a body of 1.7 m, for skeletons that end at the joint."""
+
+_SHORT_M = 0.03
+"""An end that is nearer to its joint, for a body of 1.7 m, is no end of a head or hand."""
+
+_FARTHEST = 3.0
+"""At most so many times the length of a bone lies a sphere beyond it."""
 
 _FALLBACKS = {"head_end": "head", "hand": "wrist", "toe": "ankle"}
 _NEXT = {"neck": "head", "head": "chest"}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -33,6 +33,36 @@ class Candidates:
     overflow: int
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Grown:
+    """How walks came about that grow all at once; each round has two levels.
+
+    Attributes:
+        came_from: of each walk that was extended, the walk of the level before; then of each that
+            goes on, the one that was extended. [levels][W]
+        via: the edge it was extended by; none where it only goes on. [levels][W]
+        found: level, row in it, part and t_avoid of the candidates of each round. [rounds][4][C]
+    """
+
+    came_from: list[Int[np.ndarray, " W"]] = field(default_factory=list)
+    via: list[Int[np.ndarray, " W"]] = field(default_factory=list)
+    found: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=list)
+
+    def edges_to(
+        self, level: Int[np.ndarray, " C"], row: Int[np.ndarray, " C"]
+    ) -> Int[np.ndarray, "C L"]:
+        """Edges of the walks with the given rows: each is followed back to its first edge."""
+        length, row = level // 2 + 1, row.copy()
+        edges = np.full((len(row), int(length.max())), NO_EDGE)
+        for depth in range(int(length.max()) - 1, -1, -1):
+            here = length > depth
+            edges[here, depth] = self.via[2 * depth][row[here]]
+            row[here] = self.came_from[2 * depth][row[here]]
+            if depth:
+                row[here] = self.came_from[2 * depth - 1][row[here]]
+        return edges
+
+
 def enumerate_candidates(
     graph: MotionGraph,
     tables: EdgeTables,
@@ -57,9 +87,7 @@ def enumerate_candidates(
     """
     low, high = t_attack - window / 2, t_attack + window / 2
     nodes, times = np.array([node]), np.zeros(1)
-    came_from: list[np.ndarray] = []
-    via: list[np.ndarray] = []
-    found: list[tuple[int, np.ndarray, np.ndarray, np.ndarray]] = []  # round, row, part, t_avoid
+    grown = _Grown()
     overflow = 0
     while len(nodes):
         row, position = expand_rows(graph.out_first, nodes)
@@ -69,10 +97,11 @@ def enumerate_candidates(
         part = tables.part_ids[position]
         t_avoid = begin[hit] + tables.part_centre[part]
         fits = (t_avoid > low) & (t_avoid < high)
-        came_from.append(row.astype(np.int32))
-        via.append(edge.astype(np.int32))
+        grown.came_from.append(row.astype(np.int32))
+        grown.via.append(edge.astype(np.int32))
         if fits.any():
-            found.append((len(via) - 1, hit[fits], part[fits], t_avoid[fits]))
+            level = np.full(np.count_nonzero(fits), len(grown.via) - 1)
+            grown.found.append((level, hit[fits], part[fits], t_avoid[fits]))
         end = begin + tables.seconds[edge]
         target = graph.edge_target[edge]
         go_on = np.flatnonzero(end + tables.nearest_part[target] < high)
@@ -81,18 +110,21 @@ def enumerate_candidates(
             go_on = go_on[np.arange(MAX_WALKS) * len(go_on) // MAX_WALKS]  # from all beginnings
         nodes, times = target[go_on], end[go_on]
         # Rows of the next round count within the walks that go on.
-        came_from.append(go_on.astype(np.int32))
-        via.append(np.zeros(0, dtype=np.int64))
-    if not found:
+        grown.came_from.append(go_on.astype(np.int32))
+        grown.via.append(np.zeros(0, dtype=np.int64))
+    if not grown.found:
         empty = np.zeros(0, dtype=np.int64)
         return Candidates(
             edges=np.full((0, 1), NO_EDGE), length=empty, part=empty, overflow=overflow
         )
-    t_all = np.concatenate([f[3] for f in found])
+    level, row, part, t_all = (np.concatenate(column) for column in zip(*grown.found, strict=True))
     order = np.argsort(np.abs(t_all - t_attack), kind="stable")
     overflow += max(len(order) - capacity, 0)
     chosen = np.sort(order[:capacity])
-    return _walks(found, came_from, via, chosen, overflow)
+    edges = grown.edges_to(level[chosen], row[chosen])
+    return Candidates(
+        edges=edges, length=level[chosen] // 2 + 1, part=part[chosen], overflow=overflow
+    )
 
 
 def natural_times(tables: EdgeTables, candidates: Candidates) -> Float[np.ndarray, " C"]:
@@ -101,25 +133,3 @@ def natural_times(tables: EdgeTables, candidates: Candidates) -> Float[np.ndarra
     before = column[None] < candidates.length[:, None] - 1
     seconds = np.where(before, tables.seconds[np.maximum(candidates.edges, 0)], 0.0)
     return seconds.sum(axis=1) + tables.part_centre[candidates.part]
-
-
-def _walks(
-    found: list[tuple[int, np.ndarray, np.ndarray, np.ndarray]],
-    came_from: list[np.ndarray],
-    via: list[np.ndarray],
-    chosen: np.ndarray,
-    overflow: int,
-) -> Candidates:
-    """Follows the chosen walks back to their first edge."""
-    level = np.concatenate([np.full(len(f[1]), f[0]) for f in found])[chosen]
-    row = np.concatenate([f[1] for f in found])[chosen]
-    part = np.concatenate([f[2] for f in found])[chosen]
-    length = level // 2 + 1
-    edges = np.full((len(chosen), int(length.max())), NO_EDGE)
-    for depth in range(int(length.max()) - 1, -1, -1):
-        here = length > depth
-        edges[here, depth] = via[2 * depth][row[here]]
-        row[here] = came_from[2 * depth][row[here]]
-        if depth:
-            row[here] = came_from[2 * depth - 1][row[here]]
-    return Candidates(edges=edges, length=length, part=part, overflow=overflow)

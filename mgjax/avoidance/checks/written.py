@@ -10,11 +10,12 @@ from jaxtyping import Float
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.body.spheres import BodySpheres, sphere_centres
 from mgjax.avoidance.rates import CHECK_RATE, EXPORT_RATE, FAR
-from mgjax.avoidance.timing.time_warp import TimeWarp
+from mgjax.avoidance.timing.walk_warps import natural_starts
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion, sample
+from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, sample_walk
+from mgjax.graph.walk import Walk, extend, sample_walk
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -23,6 +24,49 @@ class SphereTrajectory:
 
     times: Float[np.ndarray, " T"]
     centres: Float[np.ndarray, "T S 3"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WrittenWalk:
+    """A walk as it is written.
+
+    Attributes:
+        walk: with the edges that its motion needs.
+        motion: from now on.
+        trace: the body's spheres over that motion.
+        clearance: signed distance of attack and body over it, m; None without an attack.
+    """
+
+    walk: Walk
+    motion: Motion
+    trace: SphereTrajectory
+    clearance: float | None
+
+
+def write_walk(
+    graph: MotionGraph,
+    spheres: BodySpheres,
+    walk: Walk,
+    seconds: float,
+    warp: TimeWarp | None,
+    attack: Attack | None,
+) -> WrittenWalk:
+    """Makes the motion of a walk and checks that very motion.
+
+    Args:
+        graph, spheres: the graph and the body.
+        walk: first out-edges follow it where the ``warp`` comes to its end earlier.
+        seconds: from now until it is over.
+        warp: which moment of the walk as captured is shown when; None: as its scales say.
+        attack: what it has to be clear of, if anything.
+    """
+    if warp is not None:
+        beyond = float(warp.at(np.array([seconds]))[0] - natural_starts(graph, walk)[-1])
+        walk = extend(graph, walk, float(walk.starts(graph)[-1]) + beyond)
+    motion = walk_motion(graph, walk, seconds, warp)
+    trace = sphere_trajectory(graph, spheres, motion)
+    exact = None if attack is None else clearance(attack, trace, spheres.radii)[1]
+    return WrittenWalk(walk=walk, motion=motion, trace=trace, clearance=exact)
 
 
 def walk_motion(
@@ -84,14 +128,15 @@ def clearance(
     share = (moments - times[index]) / (times[index + 1] - times[index])
     body = trace.centres[index] * (1 - share)[:, None, None]
     body = body + trace.centres[index + 1] * share[:, None, None]
-    gaps = attack.at(moments)[:, :, None] - body[:, None]  # [T, I, S, 3]
+    # The beginning and the end of a sphere's life are knots.
+    centres, active = attack.sampled(moments)
+    gaps = centres[:, :, None] - body[:, None]  # [T, I, S, 3]
     begin, end = gaps[:-1], gaps[1:]
     move = end - begin
     along = np.sum(move * move, axis=-1)
     share = np.clip(-np.sum(begin * move, axis=-1) / np.maximum(along, 1e-20), 0.0, 1.0)
     near = np.linalg.norm(begin + share[..., None] * move, axis=-1)
     gap = near - attack.radii[:, None] - radii[None, :]
-    active = attack.active(moments)  # the beginning and the end of a sphere's life are knots
     gap = np.where((active[:-1] & active[1:])[:, :, None], gap, FAR)
     sag = attack.acceleration * np.diff(attack.times).max(initial=0.0) ** 2 / 8
     np.minimum.at(result, index[:-1], gap.min(axis=(1, 2)) - sag)

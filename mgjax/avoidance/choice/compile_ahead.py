@@ -17,7 +17,7 @@ from mgjax.avoidance.candidates.batch import (
 from mgjax.avoidance.checks.bounds import MORE_LANES
 from mgjax.avoidance.checks.fast import CHECK_FRAMES, Poses, nearest_of
 from mgjax.avoidance.choice.search import bound, in_32_bits, search_one
-from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.graph.types import MotionGraph
@@ -45,7 +45,6 @@ def warm_up(
         How many programs there are.
     """
     config = config or AvoidanceConfig()
-    validate_config(config)
     prepared = prepared_for(graph, config)
     device, rate = prepared.device, prepared.graph.frame_rate
     energy = in_32_bits(config.energy)

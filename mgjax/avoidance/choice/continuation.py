@@ -11,8 +11,7 @@ from mgjax.avoidance.body.poses import PosedGraph
 from mgjax.avoidance.checks.fast import clearance_between
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.rates import CLEAR_M
-from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, make_walk
+from mgjax.graph.walk import Walk, extend
 
 MAX_CONTINUATIONS = 200
 """Edges that are tried when a walk has to go on past its end without being hit."""
@@ -73,29 +72,3 @@ def continue_clear(
             break
     walk, end, clear = max([furthest, *stack], key=lambda item: item[1])
     return Continuation(walk=extend(graph, walk, until), clearance=clear, clear_until=end)
-
-
-def extend(graph: MotionGraph, walk: Walk, until: float) -> Walk:
-    """The walk with first out-edges appended until it lasts ``until`` seconds."""
-    edges, scales = list(walk.edges), list(walk.scales)
-    end = float(walk.starts(graph)[-1])
-    while end < until:
-        edge = int(graph.edges_from(int(graph.edge_target[edges[-1]]))[0])
-        edges.append(edge)
-        scales.append(1.0)
-        end += graph.edge_frames[edge] / graph.frame_rate
-    return Walk(edges=np.array(edges), scales=np.array(scales))
-
-
-def random_walk(
-    graph: MotionGraph, node: int, attack: Attack, config: AvoidanceConfig, seed: int
-) -> Walk:
-    """A random walk until the attack is over: what plays when nothing avoids."""
-    rng = np.random.default_rng(seed)
-    until = attack.end + config.settle_s
-    edges = [int(rng.choice(graph.edges_from(node)))]
-    end = graph.edge_frames[edges[0]] / graph.frame_rate
-    while end < until:
-        edges.append(int(rng.choice(graph.edges_from(int(graph.edge_target[edges[-1]])))))
-        end += graph.edge_frames[edges[-1]] / graph.frame_rate
-    return make_walk(graph, edges)

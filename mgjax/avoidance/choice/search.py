@@ -9,14 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
-from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import FRAME_BUCKET, AttackBatch, frames_of, make_attack_batch
-from mgjax.avoidance.attacks.crop import Crop
+from mgjax.avoidance.attacks.batch import AttackBatch
 from mgjax.avoidance.body.device_tables import DeviceTables
 from mgjax.avoidance.candidates.batch import EDGE_BUCKET, CandidateBatch, pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.checks.bounds import FIRST_LANES, Bounds, clearance_bounds
-from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
+from mgjax.avoidance.choice.start import Query
+from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.evaluate import Judged, judge_all, ranking
 from mgjax.avoidance.energy.score import ROWS, stacked
 from mgjax.avoidance.timing.time_scale import OK
@@ -154,40 +153,35 @@ def in_32_bits(config: EnergyConfig) -> EnergyConfig:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Query:
-    """What a search is asked: an attack at a node, and the candidates to choose from.
-
-    Attributes:
-        node: where the walks begin.
-        attack: in the planar frame of the node, its times counted from there.
-        crop: the part of it that counts for energies and timing.
-        candidates: the walks.
-    """
-
-    node: int
-    attack: Attack
-    crop: Crop
-    candidates: Candidates
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class SearchInput:
-    """A query as compiled code reads it: candidates and attack padded to compiled shapes."""
+    """Candidates and attack padded to compiled shapes, the larger ones if either is long."""
 
     walks: CandidateBatch
     attack_batch: AttackBatch
 
 
-def search_input(query: Query, config: AvoidanceConfig, reach: float) -> SearchInput:
-    """Pads candidates and attack to compiled shapes; ``reach`` is that of the body, m."""
-    long = is_long(query.candidates, query.attack)
-    return SearchInput(
-        walks=pad_candidates(query.candidates, long=long),
-        attack_batch=make_attack_batch(query.attack, query.crop, config, reach, long=long),
+def search_input(query: Query, candidates: Candidates) -> SearchInput:
+    """Pads candidates, and the attack of a query, to compiled shapes."""
+    attack_batch = attack_batch_for(query, candidates)
+    walks = pad_candidates(candidates, long=attack_batch.is_long)
+    return SearchInput(walks=walks, attack_batch=attack_batch)
+
+
+def attack_batch_for(query: Query, candidates: Candidates) -> AttackBatch:
+    """The attack of a query, padded to the larger size if some candidate has many edges."""
+    long = candidates.length.max(initial=1) > EDGE_BUCKET
+    return query.attack_batch.as_long() if long else query.attack_batch
+
+
+def search_candidates(query: Query, candidates: Candidates) -> tuple[SearchInput, SearchResult]:
+    """Candidates as compiled code reads them, and what it says of them."""
+    padded = search_input(query, candidates)
+    result = search_one(
+        query.prepared.device,
+        padded.walks,
+        padded.attack_batch,
+        in_32_bits(query.config.energy),
+        frame_rate=query.prepared.graph.frame_rate,
+        limit_scale=query.config.limit_scale,
     )
-
-
-def is_long(candidates: Candidates, attack: Attack) -> bool:
-    """Whether walks have so many edges, or an attack so many frames, that both are padded more."""
-    first, last = frames_of(attack)
-    return int(candidates.length.max(initial=1)) > EDGE_BUCKET or last - first + 1 > FRAME_BUCKET
+    return padded, result

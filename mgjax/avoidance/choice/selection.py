@@ -5,30 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Literal
 
-import numpy as np
-
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.checks.written import (
-    SphereTrajectory,
-    clearance,
-    sphere_trajectory,
-    walk_motion,
-)
+from mgjax.avoidance.checks.written import SphereTrajectory, write_walk
 from mgjax.avoidance.choice.choosing import choose
-from mgjax.avoidance.choice.continuation import extend
 from mgjax.avoidance.choice.results import Choice, Status
-from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M
-from mgjax.avoidance.timing.time_warp import (
-    TimeWarp,
-    linear_warp,
-    natural_starts,
-    part_moments,
-    smooth_warp,
-)
+from mgjax.avoidance.timing.walk_warps import both_warps, linear_warp
 from mgjax.core.motion import Motion
+from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.types import MotionGraph
 
 
@@ -86,7 +73,6 @@ def select(
         ConfigError: no such node, or a setting out of range.
     """
     config = config or AvoidanceConfig()
-    validate_config(config)
     prepared = prepared_for(graph, config, index)
     choice = choose(prepared, node, attack, config=config, seed=seed)
     return write(prepared, attack, choice, config)
@@ -108,12 +94,11 @@ def write(prepared: Prepared, attack: Attack, choice: Choice, config: AvoidanceC
 
 def both_timings(graph: MotionGraph, choice: Choice) -> tuple[TimeWarp, TimeWarp]:
     """How a walk is played with one speed per edge, and smoothly."""
-    linear = linear_warp(graph, choice.walk)
-    if choice.part is None or choice.crop is None:
+    walk, part, crop = choice.walk, choice.part, choice.crop
+    if part is None or crop is None:
+        linear = linear_warp(graph, walk)
         return linear, linear
-    middle = part_moments(graph, choice.walk, choice.path_length, choice.part)[1:2]
-    t_avoid = float(linear.when(middle)[0])
-    return linear, smooth_warp(linear, t_avoid, (choice.crop.start, choice.crop.end))
+    return both_warps(graph, walk, choice.path_length, part, (crop.start, crop.end))
 
 
 def _write(
@@ -124,19 +109,18 @@ def _write(
     form: Literal["smooth", "linear"],
     timing: TimeWarp,
 ) -> Selection:
-    graph, spheres = prepared.graph, prepared.tables.spheres
-    until = attack.end + config.settle_s
-    walk = choice.walk
-    if form == "smooth":  # it may come further within that time
-        short = float(timing.at(np.array([until]))[0] - natural_starts(graph, walk)[-1])
-        walk = extend(graph, walk, float(walk.starts(graph)[-1]) + short)
-    motion = walk_motion(graph, walk, until, timing if form == "smooth" else None)
-    trace = sphere_trajectory(graph, spheres, motion)
-    exact = None if choice.part is None else clearance(attack, trace, spheres.radii)[1]
+    written = write_walk(
+        prepared.graph,
+        prepared.tables.spheres,
+        choice.walk,
+        attack.end + config.settle_s,
+        timing if form == "smooth" else None,
+        None if choice.part is None else attack,
+    )
     status = choice.status
-    if exact is not None:
-        clear = choice.status == Status.AVOIDED and exact >= CLEAR_M
+    if written.clearance is not None:
+        clear = choice.status == Status.AVOIDED and written.clearance >= CLEAR_M
         status = Status.AVOIDED if clear else Status.HIT
     values = {field.name: getattr(choice, field.name) for field in fields(choice)}
-    values |= {"status": status, "clearance_m": exact, "walk": walk}
-    return Selection(**values, warp=form, timing=timing, motion=motion, trace=trace)
+    values |= {"status": status, "clearance_m": written.clearance, "walk": written.walk}
+    return Selection(**values, warp=form, timing=timing, motion=written.motion, trace=written.trace)

@@ -3,13 +3,74 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 
 from mgjax.avoidance.attacks.attack import Attack, validate_attack
+from mgjax.avoidance.attacks.batch import AttackBatch, make_attack_batch
+from mgjax.avoidance.attacks.crop import Crop, crop_attack
+from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
+from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared
 from mgjax.core.errors import AttackError, ConfigError
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Query:
+    """What a search is asked: an attack that comes near a character at a node.
+
+    Attributes:
+        prepared: of the graph.
+        config: settings.
+        node: where the walks begin.
+        attack: in the planar frame of the node, its times counted from there.
+        crop: the part of it that counts for energies and timing.
+    """
+
+    prepared: Prepared
+    config: AvoidanceConfig
+    node: int
+    attack: Attack
+    crop: Crop
+
+    @property
+    def until(self) -> float:
+        """Until when a motion has to stay clear, s."""
+        return self.attack.end + self.config.settle_s
+
+    @cached_property
+    def in_time(self) -> Candidates:
+        """All walks to an avoidance part that comes at the right time (eq. 1)."""
+        return enumerate_candidates(
+            self.prepared.graph,
+            self.prepared.tables,
+            self.node,
+            self.crop.middle,
+            window=self.config.T_window,
+            capacity=self.config.capacity,
+        )
+
+    @cached_property
+    def attack_batch(self) -> AttackBatch:
+        """The attack as compiled code reads it."""
+        return make_attack_batch(self.attack, self.crop, self.config, self.prepared.posed.reach)
+
+
+def ask(prepared: Prepared, node: int, attack: Attack, config: AvoidanceConfig) -> Query | None:
+    """The query of a character at a node; None if the attack never comes near.
+
+    Raises:
+        ConfigError: no such node.
+        AttackError: the attack is not finite, or begins inside the body.
+    """
+    validate_start(prepared, node, attack)
+    crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
+    if crop is None:
+        return None
+    return Query(prepared=prepared, config=config, node=node, attack=attack, crop=crop)
 
 
 def validate_start(prepared: Prepared, node: int, attack: Attack) -> None:
@@ -48,5 +109,5 @@ def _beginning(
     if attack.start >= 0 and attack.starts is None and attack.stops is None:
         return attack.centres[0], attack.radii
     now = np.array([min(max(attack.start, 0.0), attack.end)])
-    active = attack.active(now)[0]
-    return attack.at(now)[0, active], attack.radii[active]
+    centres, active = attack.sampled(now)
+    return centres[0, active[0]], attack.radii[active[0]]

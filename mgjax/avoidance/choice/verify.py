@@ -10,16 +10,14 @@ import jax
 import numpy as np
 from jaxtyping import Float, Int
 
-from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.checks.bounds import MORE_LANES, Bounds
 from mgjax.avoidance.checks.fast import clearance_between
-from mgjax.avoidance.choice.continuation import Continuation, continue_clear, extend
+from mgjax.avoidance.choice.continuation import Continuation, continue_clear
 from mgjax.avoidance.choice.search import SearchInput, SearchResult, bound
-from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.prepared import Prepared
+from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.rates import CLEAR_M
-from mgjax.graph.types import NO_EDGE, MotionGraph
-from mgjax.graph.walk import Walk, make_walk
+from mgjax.graph.types import NO_EDGE
+from mgjax.graph.walk import Walk, extend, make_walk
 
 ROUNDING_M = 1e-5
 """What the jitted check may differ from that of the written motion."""
@@ -64,42 +62,45 @@ class Verdict:
     played: Continuation
 
 
-def verify(
-    prepared: Prepared, attack: Attack, candidate: Bounded, config: AvoidanceConfig
-) -> Verdict:
+def verify(query: Query, candidate: Bounded) -> Verdict:
     """Whether a candidate stays clear, and what would be played.
 
     Its bounds decide on most. Where they leave a doubt, or the path is clear and the longest edges
     after it are not, the poses of the written motion are looked at, and other edges are tried after
     the path.
     """
-    graph = prepared.graph
-    walk = _walk(graph, candidate, attack.end + config.settle_s)
+    attack, posed = query.attack, query.prepared.posed
+    walk = _walk(query, candidate)
     default = Continuation(walk=walk, clearance=candidate.clearance, clear_until=None)
     if candidate.lower_bound >= CLEAR_M:
         return Verdict(clear=True, played=default)
     if candidate.surely_touched:
         return Verdict(clear=False, played=default)
-    total = clearance_between(prepared.posed, attack, walk, 0.0, attack.end)
+    total = clearance_between(posed, attack, walk, 0.0, attack.end)
     if total >= CLEAR_M + ROUNDING_M:
         played = Continuation(walk=walk, clearance=total, clear_until=None)
         return Verdict(clear=True, played=played)
     path = make_walk(
-        graph, candidate.edges[: candidate.length], candidate.scales[: candidate.length]
+        posed.graph, candidate.edges[: candidate.length], candidate.scales[: candidate.length]
     )
-    played = continue_clear(prepared.posed, attack, path, config)
+    played = continue_clear(posed, attack, path, query.config)
     if played.clearance < CLEAR_M or played.clear_until is not None:
         return Verdict(clear=False, played=played)
     # Pieces were checked one by one; what counts is the motion in one piece.
-    total = clearance_between(prepared.posed, attack, played.walk, 0.0, attack.end)
+    total = clearance_between(posed, attack, played.walk, 0.0, attack.end)
     played = Continuation(walk=played.walk, clearance=total, clear_until=None)
     return Verdict(clear=total >= CLEAR_M + ROUNDING_M, played=played)
 
 
 def pick_first_clear(
-    prepared: Prepared, attack: Attack, candidates: Iterator[Bounded], config: AvoidanceConfig
+    query: Query, order: Int[np.ndarray, " K"], padded: SearchInput, result: SearchResult
 ) -> tuple[int, Verdict, int]:
     """Goes through candidates in their order; the first that stays clear wins.
+
+    Args:
+        query: the attack.
+        order: numbers of the candidates.
+        padded, result: the candidates as compiled code read them, and what it answered.
 
     Returns:
         The number of the candidate, the verdict on it, and how many were touched. Where all are,
@@ -107,12 +108,12 @@ def pick_first_clear(
     """
     touched = 0
     best: tuple[int, Verdict] | None = None
-    for candidate in candidates:
+    for candidate in _in_order(query, order, padded, result):
         least = -np.inf if best is None else best[1].played.clearance
         if candidate.surely_touched and candidate.clearance <= least:
             touched += 1
             continue
-        verdict = verify(prepared, attack, candidate, config)
+        verdict = verify(query, candidate)
         if verdict.clear:
             return candidate.number, verdict, touched
         touched += 1
@@ -122,19 +123,19 @@ def pick_first_clear(
     return *best, touched
 
 
-def in_order(
-    prepared: Prepared, order: Int[np.ndarray, " K"], padded: SearchInput, result: SearchResult
+def _in_order(
+    query: Query, order: Int[np.ndarray, " K"], padded: SearchInput, result: SearchResult
 ) -> Iterator[Bounded]:
     """Candidates in their order, each with its bounds; those of later ones are found on demand."""
     ready = result.bounds.figures.shape[0]
     yield from bounded(order[:ready], result.bounds, padded)
     later = order[ready:]
-    for numbers, bounds in bounds_of(prepared, later, padded, np.asarray(result.scales)):
+    for numbers, bounds in bounds_of(query, later, padded, np.asarray(result.scales)):
         yield from bounded(numbers, bounds, padded)
 
 
 def bounds_of(
-    prepared: Prepared,
+    query: Query,
     numbers: Int[np.ndarray, " K"],
     padded: SearchInput,
     scales: Float[np.ndarray, "L C"],
@@ -144,11 +145,11 @@ def bounds_of(
         subset = numbers[first : first + MORE_LANES]
         rows = np.resize(subset, MORE_LANES)  # repeats fill the lanes
         bounds = bound(
-            prepared.device,
+            query.prepared.device,
             padded.walks.rows(rows),
             scales[:, rows],
             padded.attack_batch,
-            frame_rate=prepared.graph.frame_rate,
+            frame_rate=query.prepared.graph.frame_rate,
         )
         count = len(subset)
         yield subset, jax.tree.map(lambda x, count=count: np.asarray(x)[:count], bounds)
@@ -165,8 +166,9 @@ def bounded(
         yield Bounded(number, length, edges[lane], scales[lane], *figures[lane])
 
 
-def _walk(graph: MotionGraph, candidate: Bounded, until: float) -> Walk:
-    """A candidate with what follows it, cut or extended to end after ``until`` s."""
+def _walk(query: Query, candidate: Bounded) -> Walk:
+    """A candidate with what follows it, cut or extended to end when it need no longer be clear."""
+    graph, until = query.prepared.graph, query.until
     edges = candidate.edges[candidate.edges != NO_EDGE].astype(np.int64)
     scales = candidate.scales[: len(edges)].astype(np.float64)
     ends = np.cumsum(graph.edge_frames[edges] * scales)

@@ -174,6 +174,16 @@ class GridIndex:
         columns += (self.origin[paths] - np.int64(lowest))[rows]
         return rows, columns, self.masks[self.code[at]]
 
+    def paths_per_cell(self, node: int) -> Int[np.ndarray, " M"]:
+        """How many paths of a node touch each cell that any of them touches."""
+        paths = np.arange(self.node_first[node], self.node_first[node + 1])
+        _, columns, masks = self.columns(paths)
+        counts = [
+            np.bincount(columns[(masks >> np.uint32(bit)) & 1 == 1], minlength=1)
+            for bit in range(HEIGHTS)
+        ]
+        return np.concatenate([c[c > 0] for c in counts])
+
 
 def column_cells(
     columns: Int[np.ndarray, " X"], masks: UInt32[np.ndarray, " X"]

@@ -11,19 +11,18 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.candidates.batch import EDGE_BUCKET, empty_candidate_batch, pad_candidates
+from mgjax.avoidance.candidates.batch import EDGE_BUCKET, empty_candidate_batch
 from mgjax.avoidance.choice.decision import decide
-from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.choice.results import Dropped, Status
 from mgjax.avoidance.choice.search import (
     DEPTH,
     HOPELESS_M,
     STATUS,
-    SearchInput,
     SearchResult,
-    is_long,
+    search_input,
     search_many,
 )
-from mgjax.avoidance.choice.start import validate_start
+from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.energy.score import ROWS
 from mgjax.avoidance.many.groups import MOST, TOGETHER, Asked, all_asked, firsts_of, groups
@@ -95,19 +94,21 @@ def select_batch(
     if places.shape != (len(attacks),):
         raise ConfigError(f"got {places.size} nodes for {len(attacks)} attacks, expected one each")
     prepared = prepared_for(graph, config)
-    for node, attack in zip(places, attacks, strict=True):
-        validate_start(prepared, int(node), attack)
+    queries = [
+        ask(prepared, node, attack, config)
+        for node, attack in zip(places.tolist(), attacks, strict=True)
+    ]
     answers = _no_answers(len(attacks))
     under_way: deque[tuple[list[Asked], SearchResult]] = deque()
     doubtful: list[tuple[Asked, SearchResult]] = []
-    for group in groups(all_asked(prepared, places, attacks, answers, config)):
+    for group in groups(all_asked(prepared, queries, answers, config)):
         under_way.append((group, _search(prepared, group, config)))
         if len(under_way) > AHEAD:  # the others are computed while this one is looked at
             doubtful += _decide_by_bounds(*under_way.popleft(), answers, config)
     for group, result in under_way:
         doubtful += _decide_by_bounds(group, result, answers, config)
     for asked, result in doubtful:  # last, since each waits for what is under way
-        _look_closer(prepared, asked, result, answers, config)
+        _look_closer(asked, result, answers)
     return BatchSelection(**answers)
 
 
@@ -122,16 +123,15 @@ def _no_answers(count: int) -> dict[str, np.ndarray]:
 def _search(prepared: Prepared, group: list[Asked], config: AvoidanceConfig) -> SearchResult:
     firsts = firsts_of(group)
     size = bucket_size(int(firsts[-1]), TOGETHER, 4)
-    long = is_long(group[-1].query.candidates, group[-1].query.attack)
-    longest = max(asked.query.candidates.edges.shape[1] for asked in group)
-    longest = max(longest, EDGE_BUCKET + 1 if long else 0)
+    longest = max(asked.candidates.edges.shape[1] for asked in group)
+    longest = max(longest, EDGE_BUCKET + 1 if group[-1].attack_batch.is_long else 0)
     walks = empty_candidate_batch(bucket_size(longest, EDGE_BUCKET, 4), size, shared=False)
     table = walks.table
     table[-1] = MOST - 1
     first = np.full(MOST, size - 1, np.int32)
     first[: len(group)] = firsts[:-1]
     for number, (asked, begin) in enumerate(zip(group, firsts, strict=False)):
-        own = asked.query.candidates
+        own = asked.candidates
         rows = slice(begin, begin + len(own.length))
         table[: own.edges.shape[1], rows] = own.edges.T
         table[-3, rows], table[-2, rows], table[-1, rows] = own.length, own.part, number
@@ -183,7 +183,7 @@ def _decide_by_bounds(
             continue
         for name, column in decided.items():
             answers[name][asked.number] = column[row]
-        part = asked.query.candidates.part[chosen[row] - starts[row]]
+        part = asked.candidates.part[chosen[row] - starts[row]]
         answers["part"][asked.number] = part
     return rest
 
@@ -199,19 +199,13 @@ def _alone(result: SearchResult, firsts: Int[np.ndarray, " A1"], row: int) -> Se
     )
 
 
-def _look_closer(
-    prepared: Prepared,
-    asked: Asked,
-    result: SearchResult,
-    answers: dict[str, np.ndarray],
-    config: AvoidanceConfig,
-) -> None:
+def _look_closer(asked: Asked, result: SearchResult, answers: dict[str, np.ndarray]) -> None:
     """Decides on one attack alone, with the exact check where bounds leave a doubt."""
-    query = asked.query
-    walks = pad_candidates(query.candidates, long=is_long(query.candidates, query.attack))
-    padded = SearchInput(walks=walks, attack_batch=asked.attack_batch)
-    result = replace(result, scales=result.scales[: len(walks.edges)])  # padded for the group
-    choice = decide(prepared, query, padded, result, config).choice
+    query, candidates = asked.query, asked.candidates
+    padded = search_input(query, candidates)
+    result = replace(result, scales=result.scales[: len(padded.walks.edges)])  # the group's padding
+    dropped = Dropped(overflow=candidates.overflow)
+    choice = decide(query, padded, result, len(candidates.length), dropped).choice
     assert choice is not None
     assert choice.energy is not None
     values = {

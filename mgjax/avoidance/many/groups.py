@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import AttackBatch, make_attack_batch
-from mgjax.avoidance.attacks.crop import Crop, crop_attack
+from mgjax.avoidance.attacks.batch import AttackBatch
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates, natural_times
-from mgjax.avoidance.choice.search import Query, is_long
+from mgjax.avoidance.choice.search import attack_batch_for
+from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared
 
@@ -33,52 +32,48 @@ class Asked:
 
     number: int
     query: Query
+    candidates: Candidates
     attack_batch: AttackBatch
 
 
 def all_asked(
     prepared: Prepared,
-    nodes: Int[np.ndarray, " B"],
-    attacks: Sequence[Attack],
+    queries: Sequence[Query | None],
     answers: dict[str, np.ndarray],
     config: AvoidanceConfig,
 ) -> Iterator[Asked]:
     """The attacks that have candidates; those of one node are enumerated together."""
-    graph, tables, reach = prepared.graph, prepared.tables, prepared.posed.reach
-    crops: dict[int, Crop] = {}
-    for i, attack in enumerate(attacks):
-        crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
-        if crop is not None:
-            crops[i] = crop
-            answers["t_attack"][i] = crop.middle
-    for node in np.unique(nodes[list(crops)] if crops else nodes[:0]):
-        here = [i for i in np.flatnonzero(nodes == node).tolist() if i in crops]
-        middles = [crops[i].middle for i in here]
+    graph, tables = prepared.graph, prepared.tables
+    of_node: dict[int, list[tuple[int, Query]]] = {}
+    for i, query in enumerate(queries):
+        if query is not None:
+            of_node.setdefault(query.node, []).append((i, query))
+            answers["t_attack"][i] = query.crop.middle
+    for node in sorted(of_node):
+        middles = [query.crop.middle for _, query in of_node[node]]
         low, high = min(middles), max(middles)
         wide = enumerate_candidates(
             graph,
             tables,
-            int(node),
+            node,
             0.5 * (low + high),
             window=config.T_window + high - low,
             capacity=_LIMIT,
         )
         times = natural_times(tables, wide)
-        for i, middle in zip(here, middles, strict=True):
-            subset = _within(wide, times, middle, config)
+        for i, query in of_node[node]:
+            subset = _within(wide, times, query.crop.middle, config)
             answers["candidates"][i] = len(subset.length) + subset.overflow
             if len(subset.length):
-                query = Query(node=int(node), attack=attacks[i], crop=crops[i], candidates=subset)
-                long = is_long(subset, query.attack)
-                attack_batch = make_attack_batch(query.attack, query.crop, config, reach, long=long)
-                yield Asked(number=i, query=query, attack_batch=attack_batch)
+                batch = attack_batch_for(query, subset)
+                yield Asked(number=i, query=query, candidates=subset, attack_batch=batch)
 
 
 def groups(all_asked: Iterator[Asked]) -> Iterator[list[Asked]]:
     """Attacks that are answered in one call: of equal shapes, as many as have room."""
     waiting: dict[tuple, tuple[list[Asked], int]] = {}
     for asked in all_asked:
-        count = len(asked.query.candidates.length)
+        count = len(asked.candidates.length)
         shape = asked.attack_batch.frames.shape
         group, together = waiting.get(shape, ([], 0))
         if group and (len(group) == MOST or together + count > TOGETHER):
@@ -108,5 +103,5 @@ def _within(
 
 def firsts_of(group: list[Asked]) -> Int[np.ndarray, " A1"]:
     """Where the candidates of each attack begin and, last, where they end."""
-    counts = [len(asked.query.candidates.length) for asked in group]
+    counts = [len(asked.candidates.length) for asked in group]
     return np.concatenate([[0], np.cumsum(counts)])

@@ -9,12 +9,13 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.avoidance.choice.search import HOPELESS_M, Query, SearchInput, search_input
+from mgjax.avoidance.candidates.enumerate import Candidates
+from mgjax.avoidance.choice.search import HOPELESS_M, SearchInput, search_input
+from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.choice.verify import Bounded, bounded, bounds_of, verify
-from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
+from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.evaluate import Judged, judge_all
 from mgjax.avoidance.many.reweight import Certainty, Picked, pick_each
-from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.avoidance.timing.time_scale import OK
 
@@ -26,10 +27,9 @@ class ScoredAttack:
     """One attack whose candidates are judged; what is certain of them is filled in as needed.
 
     Attributes:
-        prepared: of the graph.
-        query: the attack and its candidates.
+        query: the attack; the energies of its settings do not matter.
+        candidates: all that are in time.
         padded: both as compiled code reads them.
-        config: its energies do not matter.
         judged: without a limit on the time scale.
         certainty: see :class:`~mgjax.avoidance.many.reweight.Certainty`. [C]
         clearance: by the exact check, m; −∞ where nothing is known. [C]
@@ -37,10 +37,9 @@ class ScoredAttack:
         doubts: candidates that their bounds leave in doubt, by number.
     """
 
-    prepared: Prepared
     query: Query
+    candidates: Candidates
     padded: SearchInput
-    config: AvoidanceConfig
     judged: Judged
     certainty: Int[np.ndarray, " C"]
     clearance: Float[np.ndarray, " C"]
@@ -54,8 +53,8 @@ class ScoredAttack:
             self.certainty,
             self.clearance,
             grid,
-            limit_scale=self.config.limit_scale,
-            checks=self.config.checks,
+            limit_scale=self.query.config.limit_scale,
+            checks=self.query.config.checks,
         )
         return jax.tree.map(np.asarray, picked)
 
@@ -65,14 +64,14 @@ class ScoredAttack:
         self.bound(numbers[~self.has_bounds[numbers]])
         for number in numbers[self.certainty[numbers] == Certainty.UNKNOWN].tolist():
             doubt = self.doubts.pop(number)
-            verdict = verify(self.prepared, self.query.attack, doubt, self.config)
+            verdict = verify(self.query, doubt)
             self.certainty[number] = Certainty.CLEAR if verdict.clear else Certainty.TOUCHED
             self.clearance[number] = verdict.played.clearance
 
     def bound(self, numbers: Int[np.ndarray, " K"]) -> None:
         """Finds bounds on the clearance of some candidates, and what they make certain."""
         scales = np.asarray(self.judged.timing.scales)
-        for subset, bounds in bounds_of(self.prepared, numbers, self.padded, scales):
+        for subset, bounds in bounds_of(self.query, numbers, self.padded, scales):
             for candidate in bounded(subset, bounds, self.padded):
                 number = candidate.number
                 if candidate.lower_bound >= CLEAR_M:
@@ -85,23 +84,16 @@ class ScoredAttack:
                 self.has_bounds[number] = True
 
 
-def score_attack(
-    prepared: Prepared,
-    query: Query,
-    config: AvoidanceConfig,
-    form: Literal["paper", "overlap"],
-    E_time: float,
-) -> ScoredAttack:
+def score_attack(query: Query, form: Literal["paper", "overlap"], E_time: float) -> ScoredAttack:
     """Judges all candidates without a limit on their time scale, and bounds the hopeful ones.
 
     Args:
-        prepared: of the graph.
-        query: the attack and its candidates.
-        config: its energies do not matter.
+        query: the attack; the energies of its settings do not matter.
         form: of the energies.
         E_time: the largest of the settings that will be asked about.
     """
-    padded = search_input(query, config, prepared.posed.reach)
+    prepared, candidates = query.prepared, query.in_time
+    padded = search_input(query, candidates)
     judged = _judge(
         prepared.device,
         padded.walks,
@@ -112,10 +104,9 @@ def score_attack(
     )
     count = len(padded.walks.length)
     scored = ScoredAttack(
-        prepared=prepared,
         query=query,
+        candidates=candidates,
         padded=padded,
-        config=config,
         judged=judged,
         certainty=np.full(count, Certainty.UNKNOWN, np.int32),
         clearance=np.full(count, -np.inf, np.float32),
@@ -123,7 +114,7 @@ def score_attack(
         doubts={},
     )
     usable = np.asarray(judged.timing.status) == OK
-    if config.limit_scale:
+    if query.config.limit_scale:
         limit = 1.001 * E_time
         s = np.asarray(judged.timing.s_time)
         usable &= (s <= limit) & (s * limit >= 1)

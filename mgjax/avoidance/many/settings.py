@@ -9,11 +9,10 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.crop import Crop, crop_attack
-from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
+from mgjax.avoidance.attacks.crop import Crop
+from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.choice.results import Status
-from mgjax.avoidance.choice.search import Query
-from mgjax.avoidance.choice.start import validate_start
+from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, validate_config
 from mgjax.avoidance.energy.score import Energy
 from mgjax.avoidance.many.lazy_checks import ScoredAttack, score_attack
@@ -106,24 +105,13 @@ def sweep_energies(
         raise ConfigError(f"got culling = {config.culling!r}, expected none in a sweep")
     grid = _stack(energies, config)
     prepared = prepared_for(graph, config)
-    validate_start(prepared, node, attack)
+    query = ask(prepared, node, attack, config)
     count = len(energies)
-    crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
-    if crop is None:
+    if query is None:
         return _no_answers(count, None, None)
-    candidates = enumerate_candidates(
-        prepared.graph,
-        prepared.tables,
-        node,
-        crop.middle,
-        window=config.T_window,
-        capacity=config.capacity,
-    )
-    if not len(candidates.length):
-        return _no_answers(count, candidates, crop)
-    form, limit = energies[0].form, float(np.max(grid.E_time))
-    query = Query(node=node, attack=attack, crop=crop, candidates=candidates)
-    scored = score_attack(prepared, query, config, form, limit)
+    if not len(query.in_time.length):
+        return _no_answers(count, query.in_time, query.crop)
+    scored = score_attack(query, energies[0].form, float(np.max(grid.E_time)))
     picked = scored.pick(grid)
     while True:
         numbers = np.setdiff1d(np.asarray(picked.number), [NONE])
@@ -194,6 +182,6 @@ def _answers(scored: ScoredAttack, picked: Picked, count: int) -> Swept:
         usable=np.asarray(picked.usable)[:count],
         apart=np.asarray(picked.apart)[:count],
         saturated=np.asarray(picked.saturated)[:count],
-        candidates=scored.query.candidates,
+        candidates=scored.candidates,
         crop=scored.query.crop,
     )

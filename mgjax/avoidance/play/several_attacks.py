@@ -8,15 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.attacks.transform import in_frame, shifted
 from mgjax.avoidance.body.spheres import preset_spheres
-from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.checks.fast import clearance_between
 from mgjax.avoidance.checks.written import clearance, sphere_trajectory
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import continue_clear
 from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.play.timeline import Piece
@@ -96,21 +95,13 @@ def _clear_of_all(
     config: AvoidanceConfig,
 ) -> Walk | None:
     """The candidate of least energy whose walk, with what follows it, no attack touches."""
-    crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
-    if crop is None:
+    query = ask(prepared, node, attack, config)
+    if query is None or not len(query.in_time.length):
         return None
-    graph = prepared.graph
-    candidates = enumerate_candidates(
-        graph,
-        prepared.tables,
-        node,
-        crop.middle,
-        window=config.T_window,
-        capacity=config.capacity,
+    graph, candidates = prepared.graph, query.in_time
+    judged = judge(
+        prepared.device, candidates, attack, query.crop, config, frame_rate=graph.frame_rate
     )
-    if not len(candidates.length):
-        return None
-    judged = judge(prepared.device, candidates, attack, crop, config, frame_rate=graph.frame_rate)
     for index in judged["order"][: config.checks]:
         length = int(candidates.length[index])
         path = make_walk(graph, candidates.edges[index, :length], judged["scales"][index, :length])

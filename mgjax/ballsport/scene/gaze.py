@@ -47,16 +47,9 @@ def look_at(skeleton: Skeleton, motion: Motion, ball: Float[np.ndarray, "F 3"]) 
     vector = axis / np.maximum(size, 1e-9)[:, None] * (np.minimum(angle, _MOST) * fade)[:, None]
     width = _SMOOTH_S * motion.frame_rate
     vector = gaussian_filter1d(vector, width, axis=0, mode="nearest")
-    third = _from_vector(vector / len(joints))
+    third = quaternion.exp(vector / len(joints))
     for joint in joints:
         above = turns[:, skeleton.parents[joint]]
         turn = quaternion.multiply(quaternion.conjugate(above), quaternion.multiply(third, above))
         local[:, joint] = quaternion.multiply(turn, local[:, joint])
     return replace(motion, local_rotations=local.astype(np.float32))
-
-
-def _from_vector(vector: Float[np.ndarray, "F 3"]) -> Float[np.ndarray, "F 4"]:
-    """The rotation about a vector by its length, rad."""
-    angle = np.linalg.norm(vector, axis=1, keepdims=True)
-    share = 0.5 * np.sinc(0.5 * angle / np.pi)
-    return np.concatenate([np.cos(0.5 * angle), share * vector], axis=1)

@@ -14,6 +14,7 @@ from mgjax.ballsport.scene.kick import Kick
 from mgjax.ballsport.scene.link_paths import NO_HOP, LinkPaths, find_link_paths
 from mgjax.core import planar
 from mgjax.core.motion import Motion, sample
+from mgjax.core.timing.time_warp import even_warp
 
 MOST_WARP = 1.12
 """Largest factor by which link motion before a hit is played faster or slower."""
@@ -181,11 +182,10 @@ class Actor:
         self.idle_until(frames)
         pieces = [(a, b) for a, b in self.pieces]
         joined = join(self.moves.clips, pieces, window=self.moves.window, placement=self.first)
-        source, time = np.array([*self.knots, (self.source, self.time)]).T
-        # Behind the last knot at the clips' own speed.
-        source, time = np.append(source, source[-1] + 1e6), np.append(time, time[-1] + 1e6)
-        where = np.interp(np.arange(frames), time, source)
-        seams = np.interp(joined.seams, source, time)
+        source, time = np.array([*self.knots, (self.source, self.time)], np.float64).T
+        where = even_warp(time, source).at(np.arange(frames, dtype=np.float64))
+        # The inverse of an even warp is another one.
+        seams = even_warp(source, time).at(joined.seams.ravel().astype(np.float64)).reshape(-1, 2)
         return sample(joined.motion, where), seams[seams[:, 0] < frames]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float
 
-from mgjax.core.easing import smoothstep
+from mgjax.core.timing.easing import smoothstep
 
 _GAP_S = 0.1
 """Feet that leave the floor for no longer do not leave it."""

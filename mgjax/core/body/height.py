@@ -49,4 +49,4 @@ def chain_height(tree: Tree, roles: dict[str, int]) -> float | None:
     length = leg + tree.distance(hips, roles["head"])
     above = [tree.lengths[j] for j in tree.children[roles["head"]] if not tree.beside[j]]
     head = max(above, default=0.0) / length
-    return length * (1 + REST + (head if 0.04 <= head <= 0.2 else HEAD))
+    return float(length * (1 + REST + (head if 0.04 <= head <= 0.2 else HEAD)))

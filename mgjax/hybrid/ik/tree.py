@@ -5,7 +5,7 @@ The stages and steps are in :mod:`mgjax.hybrid.ik.tree_steps`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import jax
@@ -17,14 +17,13 @@ from jaxtyping import Float, Int
 from mgjax.core.arrays import Array
 from mgjax.hybrid.ik import tree_steps as steps
 from mgjax.hybrid.ik.chain import NOT_CONVERGED, REACHED, UNREACHABLE_FAR, UNREACHABLE_NEAR
-from mgjax.hybrid.ik.joint_limits import JointLimits, clamp, from_swing_twist
+from mgjax.hybrid.ik.joint_limits import JointLimits, clamp
+from mgjax.hybrid.ik.search import STARTS, Budget, climb, drawn_poses, search_on
 
 _STEPS = 32
 """Least-squares steps at most after the stages, from each start."""
 _REACH = 0.999
 """Share of its length to which a chain is stretched towards a target that is too far."""
-_STARTS = 8
-"""Poses tried with limits: the given one, the limits' centre, and some inside the limits."""
 
 
 @partial(jax.jit, static_argnames=("parents", "ends"))
@@ -41,14 +40,16 @@ def fabrik_tree(
     tolerance: float | Float[Array, ""] = 1e-3,
     max_iterations: int | Int[Array, ""] = 16,
     max_steps: int | Int[Array, ""] = _STEPS,
-    max_starts: int | Int[Array, ""] = _STARTS,
+    max_starts: int | Int[Array, ""] = STARTS,
 ) -> tuple[Float[Array, "*b n 4"], Int[Array, "*b E"]]:
     """Local rotations of a tree of joints such that its ends meet their targets.
 
     FABRIK's stages run until all ends are within the tolerance, at most ``max_iterations`` times;
     what then is left, ``max_steps`` damped least-squares steps bring to the targets. With limits,
-    poses out of which neither finds a way are left for another start. Bones are exact, the base
-    does not move, twists that no limit or sub-base changes are kept.
+    poses out of which neither finds a way are left for another start. Where not all targets can be
+    met, as many as possible are, of those that exclude each other the earlier ones; the others are
+    approached as far as that allows. Bones are exact, the base does not move, twists that no limit
+    or sub-base changes are kept.
 
     Deviation:
         Aristidou and Lasenby stop with the stages. With limits these stall: the one stage moves a
@@ -68,97 +69,74 @@ def fabrik_tree(
         tolerance: distance at which an end counts as having arrived, m.
         max_iterations: forward and backward stages at most, from each start.
         max_steps: least-squares steps at most, from each start; 0 for FABRIK alone.
-        max_starts: starts at most, up to 8; only with limits is there more than one.
+        max_starts: starts at most, up to 16; only with limits is there more than one. With 1, no
+            target is given up for others, either.
 
     Returns:
         ``(rotations, status)``, one status of :mod:`mgjax.hybrid.ik.chain` for each end. Too
         far and too near are judged by bone lengths; what limits forbid is ``NOT_CONVERGED``.
     """
-    tree = steps.tree_tables(steps.Tree(parents, ends))
     batch = base.shape[:-1]
-    starts = _starts(rotations.shape[-2], limits)
-    budget = max_iterations, max_steps, max_starts
-    goal = jnp.asarray(tolerance, jnp.float32)
-
-    lengths = _lengths(jnp.asarray(offsets), tree)
-
-    def one(base: Array, rotations: Array, targets: Array, frame: Array) -> tuple[Array, Array]:
-        problem = steps.TreeProblem(
-            jnp.asarray(offsets), base, frame, targets, *map(jnp.asarray, tree)
-        )
-        nearer = problem._replace(targets=_within_length(problem, lengths))
-        solved = _search(nearer, rotations, starts, limits, goal, budget)
-        return solved, _status(problem, solved, lengths, goal)
-
+    offsets, goal = jnp.asarray(offsets), jnp.asarray(tolerance, jnp.float32)
+    tables = steps.tree_tables(steps.Tree(parents, ends))
+    lengths = _lengths(offsets, tables)
+    tables = tuple(map(jnp.asarray, tables))
     if frame is None:
         frame = jnp.zeros((*batch, 4), jnp.float32).at[..., 0].set(1.0)
-    arrays = (base, rotations, targets, frame)
+    arrays = (base, frame, targets, rotations)
     flat = [jnp.reshape(jnp.asarray(a, jnp.float32), (-1, *a.shape[len(batch) :])) for a in arrays]
-    solved, status = jax.vmap(one)(*flat)
+
+    def problem_of(base: Array, frame: Array, targets: Array) -> steps.TreeProblem:
+        return steps.TreeProblem(offsets, base, frame, targets, *tables)
+
+    def nearer(*setting: Array) -> tuple[steps.TreeProblem, Array]:
+        return _brought_near(problem_of(*setting), lengths, goal)
+
+    solved = _solve(nearer, flat, limits, goal, Budget(max_iterations, max_steps, max_starts))
+
+    def status_of(base: Array, frame: Array, targets: Array, local: Array) -> Array:
+        return _status(problem_of(base, frame, targets), local, lengths, goal)
+
+    bases, frames, wanted, _ = flat
+    status = jax.vmap(status_of)(bases, frames, wanted, solved)
     return solved.reshape(rotations.shape), status.reshape(*batch, len(ends))
 
 
-def _starts(count: int, limits: JointLimits | None) -> Array:
-    """[A, n, 4] poses to start from after the given one."""
-    if limits is None:
-        return jnp.zeros((0, count, 4), jnp.float32)
-    numbers = np.random.default_rng(0).uniform(0, 1, (_STARTS - 1, count, 3))
-    numbers[0] = 0.5
-    numbers = jnp.asarray(numbers, jnp.float32)
-    box, span = jnp.asarray(limits.swing), jnp.asarray(limits.twist)
-    low, high = box[None, :, 0::2], box[None, :, 1::2]
-    swing = low + (high - low) * numbers[..., :2]
-    turn = span[None, :, 0] + (span[:, 1] - span[:, 0])[None] * numbers[..., 2]
-    return clamp(from_swing_twist(swing, turn, limits), limits)
-
-
-def _search(
-    problem: steps.TreeProblem,
-    given: Array,
-    starts: Array,
+def _solve(
+    problem_of: Callable[..., tuple[steps.TreeProblem, Array]],
+    flat: Sequence[Array],
     limits: JointLimits | None,
     tolerance: Array,
-    budget: tuple,
+    budget: Budget,
 ) -> Array:
-    """The pose of the first start that gets there, else the best."""
+    """[N, n, 4] poses: of the first start, and where that misses, of whatever else is tried."""
+    bases, frames, wanted, given = flat
 
-    def worst(local: Array) -> Array:
-        return jnp.max(steps.residuals(problem, local))
+    def start(base: Array, frame: Array, targets: Array, given: Array) -> tuple[Array, Array]:
+        inside = given if limits is None else clamp(given, limits)
+        return climb(problem_of(base, frame, targets)[0], inside, limits, tolerance, budget)
 
-    max_iterations, max_steps, max_starts = budget
+    first, least = jax.vmap(start)(bases, frames, wanted, given)
+    tree, _ = problem_of(jnp.zeros(3), jnp.zeros(4), jnp.zeros(wanted.shape[1:]))
 
-    def repeat(move: Callable, local: Array, times: Array | int) -> tuple[Array, Array]:
-        """The best pose on the way, and its miss."""
+    def more() -> Array:
+        drawn = None if limits is None else drawn_poses(tree, limits)
 
-        def body(state):
-            k, local, best, least = state
-            local = move(problem, local, limits)
-            miss = worst(local)
-            best = jnp.where(miss < least, local, best)
-            return k + 1, local, best, jnp.minimum(miss, least)
+        def one(base: Array, frame: Array, targets: Array, first: Array) -> Array:
+            problem, within = problem_of(base, frame, targets)
+            return search_on(problem, first, within, drawn, limits, tolerance, budget)
 
-        state = (0, local, local, worst(local))
-        state = lax.while_loop(lambda s: (s[0] < times) & (s[3] > tolerance), body, state)
-        return state[2], state[3]
+        return jax.vmap(one)(bases, frames, wanted, first)
 
-    def climb(local: Array) -> tuple[Array, Array]:
-        local, _ = repeat(steps.fabrik_iteration, local, max_iterations)
-        return repeat(steps.damped_least_squares_step, local, max_steps)
-
-    first = given if limits is None else clamp(given, limits)
-    best, least = climb(first)
-
-    def again(state):
-        k, best, least = state
-        solved, miss = climb(starts[k])
-        return k + 1, jnp.where(miss < least, solved, best), jnp.minimum(miss, least)
-
-    if starts.shape[0]:
-        state = (0, best, least)
-        more = jnp.minimum(max_starts - 1, starts.shape[0])
-        best = lax.while_loop(lambda s: (s[0] < more) & (s[2] > tolerance), again, state)[1]
-    ends = problem.end_of[:, None] >= 0
-    return jnp.where(ends, given, best)
+    if limits is not None or tree.ends.shape[0] > 1:
+        # The outer condition is the same for all of a batch, the inner one is not.
+        missed = jnp.any(least > tolerance)
+        first = lax.cond(
+            jnp.asarray(budget.starts) > 1,
+            lambda: lax.cond(missed, more, lambda: first),
+            lambda: first,
+        )
+    return jnp.where(tree.end_of[None, :, None] >= 0, given, first)
 
 
 def _lengths(offsets: Array, tree: tuple[np.ndarray, ...]) -> Array:
@@ -171,13 +149,19 @@ def _lengths(offsets: Array, tree: tuple[np.ndarray, ...]) -> Array:
     return jnp.where(jnp.asarray(on_way.T), lengths[None], 0.0)
 
 
-def _within_length(problem: steps.TreeProblem, lengths: Array) -> Array:
-    """The targets; those too far brought within reach, so that they do not spoil the others."""
+def _brought_near(
+    problem: steps.TreeProblem, lengths: Array, tolerance: Array
+) -> tuple[steps.TreeProblem, Array]:
+    """The targets, those too far brought within reach, so that they do not spoil the others.
+
+    And which are within the length of the bones: rounding puts a straight chain's end beyond it.
+    """
     displacement = problem.targets - problem.base[None]
     distance = jnp.sqrt(jnp.maximum(jnp.sum(displacement * displacement, axis=-1), 1e-12))
-    share = jnp.minimum(1.0, _REACH * jnp.sum(lengths, axis=-1) / distance)
-    near = problem.base[None] + share[:, None] * displacement
-    return jnp.where((distance > jnp.sum(lengths, axis=-1))[:, None], near, problem.targets)
+    total = jnp.sum(lengths, axis=-1)
+    near = problem.base[None] + (_REACH * total / distance)[:, None] * displacement
+    within = distance <= total + 0.5 * tolerance
+    return problem._replace(targets=jnp.where(within[:, None], problem.targets, near)), within
 
 
 def _status(problem: steps.TreeProblem, local: Array, lengths: Array, tolerance: Array) -> Array:

@@ -155,9 +155,12 @@ def fabrik_iteration(
 
 
 def damped_least_squares_step(
-    problem: TreeProblem, local: Float[Array, "n 4"], limits: JointLimits | None
+    problem: TreeProblem,
+    local: Float[Array, "n 4"],
+    limits: JointLimits | None,
+    weights: Float[Array, " E"] | None = None,
 ) -> Array:
-    """One damped least-squares step of all joints towards all targets.
+    """One damped least-squares step of all joints towards all targets, of equal or given weights.
 
     With r the arm from a joint to an end, the joint's turn ω moves the end by ω × r. The turns of
     least size that move the ends by e solve (J Jᵀ + λ) f = e, ω = Σ r × f, with λ = |e|²/2
@@ -175,6 +178,9 @@ def damped_least_squares_step(
     count, ends = arms.shape[:2]
     jacobian = jnp.swapaxes(jacobian.reshape(count, 3 * ends, 3), 0, 1)
     miss = (problem.targets - places[problem.ends]).reshape(-1)
+    if weights is not None:
+        rows_of = jnp.repeat(weights, 3)
+        jacobian, miss = jacobian * rows_of[:, None, None], miss * rows_of
     damping = 0.5 * jnp.sum(miss * miss) + 1e-7
 
     def step(freedom: Float[Array, "n 3 3"]) -> tuple[Array, Array]:
@@ -196,7 +202,7 @@ def damped_least_squares_step(
         return bent
     held = clamp(bent, limits)
     old, new = (quaternion.multiply(above, q) for q in (local, held))
-    done = _rotation_vector(quaternion.multiply(new, quaternion.conjugate(old)))
+    done = quaternion.log(quaternion.multiply(new, quaternion.conjugate(old)))
     product = jnp.sum(done * turn, axis=-1)
     left = done[:, :, None] * done[:, None, :] / jnp.maximum(product, 1e-12)[:, None, None]
     stopped = jnp.sum((done - turn) ** 2, axis=-1) > 1e-4 * jnp.sum(turn**2, axis=-1)
@@ -242,9 +248,3 @@ def _fit(arms: Float[Array, "C 3"], wanted: Float[Array, "C 3"], real: Bool[Arra
 def _clamp_one(rotation: Float[Array, "4"], limits: JointLimits, joint: Array) -> Array:
     one = jax.tree.map(lambda field: jnp.asarray(field)[joint][None], limits)
     return clamp(rotation[None], one)[0]
-
-
-def _rotation_vector(q: Float[Array, "n 4"]) -> Float[Array, "n 3"]:
-    q = jnp.where(q[:, :1] < 0, -q, q)
-    sine = jnp.sqrt(jnp.maximum(jnp.sum(q[:, 1:] ** 2, axis=-1), 1e-16))
-    return (2 * jnp.arctan2(sine, q[:, 0]) / sine)[:, None] * q[:, 1:]

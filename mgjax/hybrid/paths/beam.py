@@ -73,7 +73,7 @@ def run_beam(
             break
         frontier = concatenate(slots.pop(min(slots)))
         if len(frontier.stop) > SHORTLIST * width:
-            order = np.argpartition(frontier.state[:, 4], SHORTLIST * width)[: SHORTLIST * width]
+            order = np.argpartition(frontier.cost, SHORTLIST * width)[: SHORTLIST * width]
             search.pruned += len(frontier.stop) - len(order)
             frontier = frontier.pick(order)
         keys = search.bounds(frontier, horizon)
@@ -103,8 +103,8 @@ def _sort_in(slots: dict[int, list[Frontier]], frontier: Frontier, delta: int) -
 
 def _farthest(frontier: Frontier) -> tuple[Terminal, float]:
     """The walk with most arc length; of those within 1 cm the cheapest."""
-    arc = frontier.state[:, 3]
-    cost = np.where(arc > arc.max() - 0.01, frontier.state[:, 4], np.inf)
+    arc = frontier.arc
+    cost = np.where(arc > arc.max() - 0.01, frontier.cost, np.inf)
     i = int(np.argmin(cost))
     terminal = Terminal(float(cost[i]), int(frontier.record[i]), -1, int(frontier.frames[i]), False)
     return terminal, float(arc[i])

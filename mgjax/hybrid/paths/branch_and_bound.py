@@ -48,7 +48,7 @@ def branch_and_bound(
             return best, False, False
         top = _pop(stack)
         taken, limit = len(top.stop), limit_of(best, with_end)
-        top = top.pick(top.state[:, 4] < limit)
+        top = top.pick(top.cost < limit)
         if len(top.stop):
             top = top.pick(search.bounds(top, horizon) < limit)
         search.pruned += taken - len(top.stop)
@@ -59,7 +59,7 @@ def branch_and_bound(
             best = better(best, terminal, with_end)
         if len(children.stop):
             # The cheapest on top of the stack.
-            stack.append(children.pick(np.argsort(-children.state[:, 4], kind="stable")))
+            stack.append(children.pick(np.argsort(-children.cost, kind="stable")))
     return best, True, False
 
 

@@ -33,6 +33,21 @@ class Frontier(NamedTuple):
     frames: Int[np.ndarray, " B"]
     record: Int[np.ndarray, " B"]
 
+    @property
+    def place(self) -> Float[np.ndarray, "B 3"]:
+        """Where the body stands: heading, x and z."""
+        return self.state[:, :3]
+
+    @property
+    def arc(self) -> Float[np.ndarray, " B"]:
+        """Arc length of the walk, m."""
+        return self.state[:, 3]
+
+    @property
+    def cost(self) -> Float[np.ndarray, " B"]:
+        """Of the walk so far."""
+        return self.state[:, 4]
+
     def pick(self, rows: np.ndarray | slice) -> Frontier:
         """The walks of some rows, chosen by number or mask."""
         return Frontier(*(x[rows] for x in self))
@@ -164,9 +179,9 @@ class Search:
     ) -> Frontier:
         tables = self.macro_edges
         state = np.empty((len(row), 5), dtype=np.float32)
-        old = frontier.state[row]
-        state[:, :3] = planar.compose(old[:, :3], tables.end[macro_edge].astype(np.float32))
-        state[:, 3] = old[:, 3] + tables.arc[macro_edge]
+        end = tables.end[macro_edge].astype(np.float32)
+        state[:, :3] = planar.compose(frontier.place[row], end)
+        state[:, 3] = frontier.arc[row] + tables.arc[macro_edge]
         state[:, 4] = cost
         return Frontier(
             tables.target[macro_edge],
@@ -190,7 +205,7 @@ class Search:
             )[: b - a]
             for a, b, size in in_buckets(len(frames))
         ]
-        return frontier.state[:, 4] + np.concatenate(parts)
+        return frontier.cost + np.concatenate(parts)
 
 
 def _best(

@@ -120,12 +120,11 @@ def extension_costs(
         The cost, inf if the walk strays or cannot go on because it is complete; the cost of the
         walk if it ends in this macro edge as complete, else inf; and the frames until then.
     """
-    own = _rows(track, macro_edge)
-    c, s = jnp.cos(state[:, :1]), jnp.sin(state[:, :1])
-    x = own[:, 0] * c + own[:, 1] * s + state[:, 1:2]
-    z = own[:, 1] * c - own[:, 0] * s + state[:, 2:3]
-    arc = state[:, 3:4] + own[:, 2]
-    last = jnp.concatenate([state[:, 3:4], arc[:, :-1]], axis=1)
+    *steps, blend = _unpacked(_rows(track, macro_edge))
+    speed, turned = _unpacked(_rows(speed_heading, macro_edge))
+    heading, _, _, arc_before, cost_before = _columns(state)
+    x, z, arc = _onward(state, *steps)
+    last = jnp.concatenate([arc_before, arc[:, :-1]], axis=1)
     late = END_LATE_M if request.with_end else 0.0
     number = jnp.arange(track.shape[2])[None]
     counted = (number < jnp.min(frames, axis=1, keepdims=True)) & (last < request.length + late)
@@ -135,25 +134,43 @@ def extension_costs(
     strayed = strayed | (counted & _inside(request.obstacles, x, z))
     if request.with_speed:
         wanted = _rows(request.speeds, index)
-        slow = jnp.where(jnp.isnan(wanted), 0.0, _rows(speed_heading, macro_edge)[:, 0] - wanted)
+        slow = jnp.where(jnp.isnan(wanted), 0.0, speed - wanted)
         square = square + request.speed_weight * slow**2
-    square = square + request.blend_weight * own[:, 3]
+    square = square + request.blend_weight * blend
     square = jnp.where(strayed, jnp.inf, jnp.where(counted, square, 0.0))
-    cost = state[:, 4] + jnp.sum(square, axis=1)
+    cost = cost_before[:, 0] + jnp.sum(square, axis=1)
     if not request.with_end:
         finished = jnp.any(counted & (arc >= request.length), axis=1)
         count = jnp.sum(counted, axis=1).astype(jnp.float32)
         return jnp.stack(
             [jnp.where(finished, jnp.inf, cost), jnp.where(finished, cost, jnp.inf), count]
         )
-    heading = state[:, :1] + _rows(speed_heading, macro_edge)[:, 1]
-    total = state[:, 4:5] + jnp.cumsum(square, axis=1) + _end_cost(request, x, z, heading)
+    total = cost_before + jnp.cumsum(square, axis=1) + _end_cost(request, x, z, heading + turned)
     total = jnp.where(counted & (arc >= request.length - END_EARLY_M), total, jnp.inf)
     over = jnp.any(counted & (arc >= request.length + late), axis=1)
     best = jnp.argmin(total, axis=1)
     return jnp.stack(
         [jnp.where(over, jnp.inf, cost), jnp.min(total, axis=1), best.astype(jnp.float32) + 1.0]
     )
+
+
+def _columns(state: Float[Array, "P 5"]) -> list[Float[Array, "P 1"]]:
+    """Heading, x, z, arc length and cost of partial walks."""
+    return [state[:, column : column + 1] for column in range(state.shape[1])]
+
+
+def _unpacked(rows: Float[Array, "P C W"]) -> list[Float[Array, "P W"]]:
+    """The columns of rows of a table."""
+    return [rows[:, column] for column in range(rows.shape[1])]
+
+
+def _onward(
+    state: Float[Array, "P 5"], x: Array, z: Array, arc: Array
+) -> tuple[Float[Array, "P W"], Float[Array, "P W"], Float[Array, "P W"]]:
+    """x, z and arc length in the world of what lies ahead of partial walks. [P, W] each"""
+    heading, x_before, z_before, arc_before, _ = _columns(state)
+    c, s = jnp.cos(heading), jnp.sin(heading)
+    return x * c + z * s + x_before, z * c - x * s + z_before, arc_before + arc
 
 
 def _rows(table: Array, index: Array) -> Array:
@@ -203,18 +220,15 @@ def lower_bounds(
         stop: where each stands.
         frames: how many count until the horizon.
     """
-    disc = _rows(ahead, stop)
-    c, s = jnp.cos(state[:, :1]), jnp.sin(state[:, :1])
-    x = disc[:, 0] * c + disc[:, 1] * s + state[:, 1:2]
-    z = disc[:, 1] * c - disc[:, 0] * s + state[:, 2:3]
-    arc = state[:, 3:4] + disc[:, 2]
+    *centre, radius = _unpacked(_rows(ahead, stop))
+    x, z, arc = _onward(state, *centre)
     index = _index(request, arc)
     square = (x - _rows(request.x, index)) ** 2 + (z - _rows(request.z, index)) ** 2
     # A place is read to half a spacing.
-    least = jnp.maximum(jnp.sqrt(square) - disc[:, 3] - request.spacing, 0.0)
+    least = jnp.maximum(jnp.sqrt(square) - radius - request.spacing, 0.0)
     early = END_EARLY_M if request.with_end else 0.0
     counted = (jnp.arange(ahead.shape[2])[None] < frames[:, None]) & (
-        arc + disc[:, 3] < request.length - early
+        arc + radius < request.length - early
     )
     square = jnp.where(least > request.near, jnp.inf, least**2)
     return jnp.sum(jnp.where(counted, square, 0.0), axis=1)

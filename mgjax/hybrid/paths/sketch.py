@@ -1,14 +1,15 @@
 """Sketches: what a user draws on the floor, and the files that hold it.
 
 A CSV file has the columns x and z in metres, and speed in m/s if one is wanted; a first line of
-names may be left out. A JSON file is a list of [x, z], or an object of which only the points are
-needed:
+names may be left out (:mod:`mgjax.hybrid.paths.sketch_csv`). A JSON file is a list of [x, z], or an
+object of which only the points are needed:
 
     {"points": [[0, 0], [0, 3], [2, 5]], "spline": true, "closed": false, "speed": 1.2,
      "end": {"place": [2, 5], "heading_deg": 90}, "obstacles": [[1, 4, 0.3]]}
 
 ``speed`` is one number or one for each point; ``heading_deg`` may be left out, 0 is +z and 90 is
 +x; obstacles are circles (x, z, radius). A path whose last point is its first is closed.
+A point that comes twice in a row, as where a pen rests, is one point.
 """
 
 from __future__ import annotations
@@ -22,14 +23,17 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core.errors import FileFormatError, PathError
+from mgjax.hybrid.paths.sketch_csv import read_csv
 from mgjax.io.json_text import parse_json
-from mgjax.io.text import parse_number, quoted, read_text, split_lines
+from mgjax.io.text import quoted, read_text
 
 MAX_LENGTH_M = 1000.0
 """Longest path."""
 
 MAX_OBSTACLES = 32
 _KEYS = ("points", "spline", "closed", "speed", "end", "obstacles")
+_SAME_M = 1e-6
+"""Points nearer than this are one."""
 _JUMP = 20.0
 """A step so many times longer than the others is a jump."""
 
@@ -67,8 +71,8 @@ def make_sketch(
     """A sketch from its points; see :class:`Sketch`.
 
     Raises:
-        PathError: fewer than two points, one that is not finite, two alike in a row, a jump, a
-            speed or an obstacle that cannot be.
+        PathError: fewer than two points that are apart, one that is not finite, a jump, a speed or
+            an obstacle that cannot be.
     """
     try:
         places = np.array(points, dtype=np.float64)
@@ -83,6 +87,10 @@ def make_sketch(
     if wanted.ndim > 1 or (wanted.ndim == 1 and wanted.shape != places.shape[:1]):
         raise PathError(got=f"{wanted.size} speeds", expected=f"one or {len(places)}")
     wanted = np.broadcast_to(wanted, len(places))
+    apart = np.linalg.norm(np.diff(places, axis=0), axis=1) >= _SAME_M
+    # Where a point is not finite this is not true, and it is kept to be found below.
+    apart = np.concatenate([[True], apart | ~np.isfinite(places[1:]).all(axis=1)])
+    places, wanted = places[apart], wanted[apart]
     if len(places) > 2 and (places[0] == places[-1]).all():
         places, wanted, closed = places[:-1], wanted[:-1], True
     _check_points(places, closed)
@@ -110,12 +118,11 @@ def _check_points(places: np.ndarray, closed: bool) -> None:
         values = ", ".join(f"{v:g}" for v in places[bad[0]])
         raise PathError(got=f"({values}) as point {bad[0] + 1}", expected="finite numbers")
     if len(places) < 2:
-        raise PathError(got=f"a path of {len(places)} point", expected="at least two")
+        raise PathError(
+            got=f"a path of {len(places)} point", expected="at least two that are apart"
+        )
     around = np.concatenate([places, places[:1]]) if closed else places
     steps = np.linalg.norm(np.diff(around, axis=0), axis=1)
-    same = np.flatnonzero(steps < 1e-6)
-    if same.size:
-        raise PathError(got=f"point {same[0] + 1} twice in a row", expected="points that are apart")
     inner = steps[: len(places) - 1]  # the last way of a closed path may be long
     # Of few steps one may be long on both ways, there and back.
     usual = np.median(inner) if len(inner) > 4 else np.sort(inner)[-2:][0]
@@ -141,7 +148,7 @@ def load_sketch(path: str | Path, *, spline: bool = False, closed: bool = False)
     """
     text = read_text(path, "path")
     fields = (
-        _from_json(path, text) if Path(path).suffix.lower() == ".json" else _from_csv(path, text)
+        _from_json(path, text) if Path(path).suffix.lower() == ".json" else read_csv(path, text)
     )
     fields["spline"] = fields.get("spline", False) or spline
     fields["closed"] = fields.get("closed", False) or closed
@@ -149,31 +156,6 @@ def load_sketch(path: str | Path, *, spline: bool = False, closed: bool = False)
         return make_sketch(**fields)
     except PathError as error:
         raise FileFormatError(path, None, error.got, error.expected) from None
-
-
-def _from_csv(path: str | Path, text: str) -> dict[str, Any]:
-    points: list[list[float]] = []
-    speeds: list[float] = []
-    columns = 0
-    for number, line in enumerate(split_lines(text), 1):
-        words = [word.strip() for word in line.split("#")[0].split(",")]
-        if words == [""]:
-            continue
-        if not points and not columns and words[:2] == ["x", "z"]:
-            if words not in (["x", "z"], ["x", "z", "speed"]):
-                raise FileFormatError(path, number, quoted(line), "the columns x,z or x,z,speed")
-            columns = len(words)
-            continue
-        columns = columns or len(words)
-        if len(words) != columns or columns not in (2, 3):
-            expected = f"{columns} numbers" if columns in (2, 3) else "x,z or x,z,speed"
-            raise FileFormatError(path, number, f"{len(words)} values", expected)
-        values = [parse_number(path, number, w, "x, z or speed") for w in words]
-        points.append(values[:2])
-        speeds += values[2:]
-    if not points:
-        raise FileFormatError(path, None, "no points", "lines of x,z in metres")
-    return {"points": points, "speed": speeds or None}
 
 
 def _from_json(path: str | Path, text: str) -> dict[str, Any]:

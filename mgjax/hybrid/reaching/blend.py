@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core import planar, quaternion
-from mgjax.core.easing import plateau
 from mgjax.core.kinematics import forward, planar_frames
 from mgjax.core.motion import Motion
+from mgjax.core.timing.easing import plateau
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.body.pelvis import lower_pelvis
 from mgjax.hybrid.body.rig import full_pose, track_targets

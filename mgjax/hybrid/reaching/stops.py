@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
+
+from mgjax.core.timing.time_warp import TimeWarp, even_warp
 
 EASE_S = 0.5
 """Time in which a walk comes to a stand, and gets going again."""
@@ -30,12 +33,17 @@ class Playback:
     """Which frame of a walk is shown when.
 
     Attributes:
-        frames: of the walk, between which poses are interpolated. [N]
+        warp: of the walk; times and positions are frames.
         stands: for each stop the first and the last shown frame of the stand.
     """
 
-    frames: Float[np.ndarray, " N"]
+    warp: TimeWarp
     stands: tuple[tuple[int, int], ...]
+
+    @cached_property
+    def frames(self) -> Float[np.ndarray, " N"]:
+        """What is shown in each frame: frames of the walk, between which poses are interpolated."""
+        return self.warp.at(np.arange(self.warp.times[-1] + 1))
 
     def shown(self, frame: int) -> int:
         """The first shown frame in which the walk has come to a frame."""
@@ -72,5 +80,6 @@ def play(last: int, frame_rate: float, stops: Sequence[Stop]) -> Playback:
     steps += [1.0] * full
     if last - here - full > 1e-6:
         steps.append(last - here - full)
-    frames = np.concatenate([[0.0], np.cumsum(steps)])
-    return Playback(frames=np.minimum(frames, last), stands=tuple(stands))
+    frames = np.minimum(np.concatenate([[0.0], np.cumsum(steps)]), last)
+    warp = even_warp(np.arange(len(frames), dtype=np.float64), frames)
+    return Playback(warp=warp, stands=tuple(stands))

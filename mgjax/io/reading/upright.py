@@ -107,7 +107,7 @@ def feet_heights(
 
 def on_floor(heights: np.ndarray, height: float) -> bool:
     """Whether the feet stand on a floor at 0, given their lowest points."""
-    return abs(floor_level(heights)) <= FLOOR_SHARE * height
+    return bool(abs(floor_level(heights)) <= FLOOR_SHARE * height)
 
 
 def floor_level(heights: np.ndarray) -> float:

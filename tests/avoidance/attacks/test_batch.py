@@ -123,3 +123,17 @@ def test_a_life_that_begins_between_two_frames() -> None:
     got = np.asarray(centres_at(attack_batch, moments[:, None].astype(np.float32)))[:, 0]
     np.testing.assert_allclose(got, attack.at(moments)[:, 0], atol=2e-5)
     assert np.asarray(active_at(attack_batch, moments[:, None].astype(np.float32))).all()
+
+
+def test_the_larger_size_holds_the_same() -> None:
+    short = batch_of(thrown("falling"))
+    longer = short.as_long()
+    assert (short.is_long, longer.is_long) == (False, True)
+    assert longer.as_long() is longer
+    assert longer.numbers is short.numbers
+    count = short.frames.shape[1]
+    np.testing.assert_array_equal(longer.frames[:, :count], short.frames)
+    last = np.asarray(short.frames)[:, -1:]
+    np.testing.assert_array_equal(longer.frames[:, count:], np.repeat(last, 31 * count, axis=1))
+    ball = thrown("straight")
+    assert batch_of(replace(ball, times=np.linspace(0.0, 5.0, len(ball.times)))).is_long

@@ -37,7 +37,9 @@ def check_preset(skeleton: Skeleton) -> None:
     assert len(spheres.names) == len(set(spheres.names)) == len(spheres.radii) == 30
     assert (spheres.radii > 0.02).all()
     assert (spheres.radii < 0.25).all()
-    assert ((spheres.share >= 0) & (spheres.share <= 1)).all()
+    assert (spheres.share >= 0).all()
+    beyond = [n for n, share in zip(spheres.names, spheres.share, strict=True) if share > 1]
+    assert all("head_end" in name or "hand" in name for name in beyond)
     places = rest_positions(skeleton)
     centres = np.asarray(sphere_centres(spheres, places))
     np.testing.assert_allclose(
@@ -93,6 +95,21 @@ def test_scales_with_the_body() -> None:
     assert height == pytest.approx(1.7, abs=0.08)
     head = a.radii[a.names.index("head-head_end 0.50")]
     np.testing.assert_allclose(head, 0.115 * height / PRESET_HEIGHT_M, rtol=1e-5)
+
+
+def test_a_head_without_an_end_is_above_its_joint() -> None:
+    skeleton = synthetic_skeleton()
+    spheres = preset_spheres(skeleton)
+    shorter = np.array(skeleton.offsets)
+    shorter[skeleton.index("head_end")] = 0
+    without = preset_spheres(replace(skeleton, offsets=shorter))
+    top = spheres.names.index("head-head_end 0.50")
+    places = rest_positions(skeleton)
+    with_end = np.asarray(sphere_centres(spheres, places))[top]
+    centre = np.asarray(sphere_centres(without, places))[top]
+    head = places[skeleton.index("head")]
+    assert centre[1] - head[1] == pytest.approx(0.09, abs=0.01)  # half a head of 18 cm
+    assert np.linalg.norm(centre - with_end) < 0.04
 
 
 def test_missing_roles_are_named(body: Skeleton) -> None:

@@ -13,9 +13,11 @@ from mgjax.avoidance.checks.written import (
     clearance,
     sphere_trajectory,
     walk_motion,
+    write_walk,
 )
 from mgjax.avoidance.rates import CHECK_RATE, EXPORT_RATE, FAR
 from mgjax.core.kinematics import planar_frames
+from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk
 from mgjax.io.bvh.write import save_bvh
@@ -158,6 +160,27 @@ def test_trace_covers_what_is_asked(made_graph: MotionGraph) -> None:
     np.testing.assert_allclose(
         part.centres, whole.centres[first : first + len(part.times)], atol=1e-6
     )
+
+
+def test_a_walk_as_it_is_written(made_graph: MotionGraph) -> None:
+    walk, spheres = some_walk(made_graph, 1, 2), preset_spheres(made_graph.skeleton)
+    attack = ball_attack(
+        np.array([3.0, 1.2, 0.0]), np.array([0.0, 1.2, 0.0]), speed=10.0, arrives=0.3
+    )
+    natural = float(made_graph.edge_frames[walk.edges].sum()) / made_graph.frame_rate
+    ones = np.array([1.0, 1.0])
+    warp = TimeWarp(times=np.zeros(2), positions=np.array([0.0, natural]), speeds=ones)
+    for how in (None, warp):  # the second begins where the walk ends
+        written = write_walk(made_graph, spheres, walk, 0.5, how, attack)
+        count = len(walk.edges)
+        np.testing.assert_array_equal(written.walk.edges[:count], walk.edges)
+        assert (len(written.walk.edges) > count) == (how is not None)
+        motion = walk_motion(made_graph, written.walk, 0.5, how)
+        np.testing.assert_array_equal(written.motion.root_translation, motion.root_translation)
+        trace = sphere_trajectory(made_graph, spheres, motion)
+        np.testing.assert_array_equal(written.trace.centres, trace.centres)
+        assert written.clearance == clearance(attack, trace, spheres.radii)[1]
+    assert write_walk(made_graph, spheres, walk, 0.5, None, None).clearance is None
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.choice.start import validate_start
+from mgjax.avoidance.attacks.batch import AttackColumn
+from mgjax.avoidance.attacks.crop import crop_attack
+from mgjax.avoidance.candidates.enumerate import natural_times
+from mgjax.avoidance.choice.start import ask, validate_start
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.graph.types import MotionGraph
+from tests.avoidance.made import throw
 
 
 def test_settings_are_known_by_identity() -> None:
@@ -52,3 +56,21 @@ def test_begins_inside_whatever_is_skipped(made_graph: MotionGraph) -> None:
             inside += gap < 0
     assert 20 < inside < 180
     assert reach < tables.farthest
+
+
+def test_what_a_query_holds(made_graph: MotionGraph) -> None:
+    config = AvoidanceConfig()
+    prepared = prepared_for(made_graph, config)
+    attack = throw(np.random.default_rng(2))
+    query = ask(prepared, 3, attack, config)
+    assert query is not None
+    assert query.crop == crop_attack(attack, radius=1.0, height=2.3)
+    assert query.until == attack.end + config.settle_s
+    middle = query.crop.middle
+    natural = natural_times(prepared.tables, query.in_time)
+    assert len(natural)
+    assert (np.abs(natural - middle) < config.T_window / 2).all()
+    assert query.attack_batch.number(AttackColumn.T_ATTACK)[0] == np.float32(middle)
+    assert ask(prepared, 3, still(np.array([0.0, 1.0, 5.0]), 0.1), config) is None  # never near
+    with pytest.raises(ConfigError, match="got node -1"):
+        ask(prepared, -1, attack, config)

@@ -3,15 +3,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from experiments.benchmarks.grid_index import paths_per_cell
 from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.body.spheres import preset_spheres
-from mgjax.avoidance.candidates.enumerate import enumerate_candidates
+from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.choice import choosing as choice
+from mgjax.avoidance.choice import start
 from mgjax.avoidance.choice.decision import Decision
-from mgjax.avoidance.choice.search import Query
+from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index import build as grid_build
 from mgjax.avoidance.index import part_volumes as grid_parts
@@ -20,7 +20,6 @@ from mgjax.avoidance.index.cells import touched_cells
 from mgjax.avoidance.index.index import GridIndex
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.index.swept_cells import swept_cells
-from mgjax.avoidance.prepared import Prepared
 from mgjax.graph.types import MotionGraph
 from tests.avoidance.index.made import (
     RATE,
@@ -86,7 +85,7 @@ def test_by_hand() -> None:
     assert index.time.tolist() == [2 * 15 + 9 + 11, 9 + 11]  # half frames
     assert cells_of(index, 0).tolist() == [[10, 10, -1]]
     assert cells_of(index, 1).tolist() == [[0, 10, 0]]
-    assert paths_per_cell(index, 1).tolist() == [1]
+    assert index.paths_per_cell(1).tolist() == [1]
     here = np.array([[0, 10, 0], [3, 3, 3]])
     found = lookup(index, 1, here, 0.4, 0.5)
     assert found is not None
@@ -255,19 +254,19 @@ def test_the_choice_is_as_good_with_the_index(
     judged: list[int] = []
     real = choice.best_of
 
-    def best_of(prepared: Prepared, query: Query, config: AvoidanceConfig) -> Decision:
-        judged.append(len(query.candidates.length))
-        return real(prepared, query, config)
+    def best_of(query: Query, candidates: Candidates) -> Decision:
+        judged.append(len(candidates.length))
+        return real(query, candidates)
 
     monkeypatch.setattr(choice, "best_of", best_of)
-    monkeypatch.setattr(choice, "enumerate_candidates", None)  # the index holds them all
+    monkeypatch.setattr(start, "enumerate_candidates", None)  # the index holds them all
     looked_up = rest = 0
     for node in rng.integers(made_graph.num_nodes, size=24):
         height, side = rng.uniform(0.5, 1.7), rng.uniform(0, 2 * np.pi)
         attack = ball_from(side, height, distance=3.0, arrives=SHORT_S - 0.6)
         config = AvoidanceConfig(checks=8)
         with monkeypatch.context() as plainly:
-            plainly.setattr(choice, "enumerate_candidates", enumerate_candidates)
+            plainly.setattr(start, "enumerate_candidates", enumerate_candidates)
             plain = choice.choose(made_graph, int(node), attack, config=config)
         judged.clear()
         quick = choice.choose(made_graph, int(node), attack, config=config, index=made_index)

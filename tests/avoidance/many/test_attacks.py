@@ -7,10 +7,10 @@ import pytest
 
 from mgjax.avoidance import choose, select_batch
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates, natural_times
 from mgjax.avoidance.choice.results import Status
-from mgjax.avoidance.choice.search import Query, SearchResult, search, search_input
+from mgjax.avoidance.choice.search import SearchResult, search, search_input
+from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
 from mgjax.avoidance.many.attacks import NO_PART
 from mgjax.avoidance.prepared import prepared_for
@@ -69,7 +69,7 @@ def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
     # Any node, ball and weights: one compiled call for all of one size.
     config = AvoidanceConfig()
     prepared = prepared_for(made_graph, config)
-    tables, device = prepared.tables, prepared.device
+    device = prepared.device
 
     @jax.jit
     @chex.assert_max_traces(n=1)
@@ -80,16 +80,11 @@ def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
     answered = 0
     while answered < 6:
         attack = throw(rng, arrives=rng.uniform(1.0, 1.3))
-        crop = crop_attack(attack, radius=1.0, height=2.3)
-        assert crop is not None
-        node = int(rng.integers(made_graph.num_nodes))
-        found = enumerate_candidates(
-            made_graph, tables, node, crop.middle, window=1.0, capacity=4096
-        )
-        if not 8 < len(found.length) <= 32:
+        query = ask(prepared, int(rng.integers(made_graph.num_nodes)), attack, config)
+        assert query is not None
+        if not 8 < len(query.in_time.length) <= 32:
             continue
-        query = Query(node=node, attack=attack, crop=crop, candidates=found)
-        given = search_input(query, config, prepared.posed.reach)
+        given = search_input(query, query.in_time)
         energy = EnergyConfig(E_avoidance=rng.uniform(0.01, 1.0), w_b=rng.uniform(0, 2))
         traced(device, given.walks, given.attack_batch, energy)
         answered += 1

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.results import Status
-from mgjax.avoidance.choice.search import Query
+from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
 from mgjax.avoidance.energy.evaluate import (
     Judged,
@@ -119,21 +117,18 @@ def test_energies_are_those_of_a_search_with_the_setting(any_graph: MotionGraph)
     rng = np.random.default_rng(3)
     config = AvoidanceConfig(limit_scale=False)
     prepared = prepared_for(any_graph, config)
-    tables, device = prepared.tables, prepared.device
+    device = prepared.device
     rate = any_graph.frame_rate
     seen = 0
     while seen < 2:
         attack, node = throw(rng), int(rng.integers(any_graph.num_nodes))
-        crop = crop_attack(attack, radius=1.0, height=2.3)
-        assert crop is not None
-        found = enumerate_candidates(
-            any_graph, tables, node, crop.middle, window=1.0, capacity=4096
-        )
+        query = ask(prepared, node, attack, config)
+        assert query is not None
+        found, crop = query.in_time, query.crop
         if not 8 < len(found.length) <= 128:
             continue
         seen += 1
-        query = Query(node=node, attack=attack, crop=crop, candidates=found)
-        judged = score_attack(prepared, query, config, "overlap", 8.0).judged
+        judged = score_attack(query, "overlap", 8.0).judged
         for energy in [*GRID, replace(GRID[2], d0="paper")]:
             limited = replace(config, energy=energy, limit_scale=True)
             wanted = judge(device, found, attack, crop, limited, frame_rate=rate)

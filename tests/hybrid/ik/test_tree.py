@@ -154,7 +154,9 @@ def test_a_target_too_far_does_not_spoil_the_others(skeleton, poses) -> None:
     targets = near(skeleton, poses, limbs, spread=0.02)
     targets[:, 0] = poses[0] + np.array([-5, 0, 0], np.float32)
     _, status = reach_pose(skeleton, *poses, targets, limbs=limbs)
-    assert (np.asarray(status)[:, 0] == UNREACHABLE_FAR).all()
+    status = np.asarray(status)
+    assert (status[:, 0] == UNREACHABLE_FAR).all()
+    assert (status[:, 1:] == REACHED).all()
 
 
 def test_limbs_that_are_no_tree(skeleton, poses) -> None:
@@ -181,8 +183,10 @@ def arm() -> tuple:
 
 
 def ends_of(offsets: np.ndarray, local: np.ndarray) -> np.ndarray:
-    names = tuple("abcdef")
-    chain = Skeleton(names=names, parents=(-1, 0, 1, 2, 3, 4), offsets=offsets)
+    count = len(offsets)
+    chain = Skeleton(
+        names=tuple("abcdef"[:count]), parents=tuple(range(-1, count - 1)), offsets=offsets
+    )
     return kinematics.forward(chain, np.zeros((len(local), 3), np.float32), local)[0][:, -1]
 
 
@@ -194,7 +198,7 @@ def test_limits_are_kept_and_targets_inside_them_reached(arm) -> None:
     base = np.zeros((128, 3), np.float32)
     found, status = fabrik_tree(offsets, base, start, goal, limits=limits, **tree)
     reached = np.asarray(status)[:, 0] == REACHED
-    assert reached.mean() > 0.97
+    assert reached.all()
     found = np.asarray(found)
     np.testing.assert_allclose(ends_of(offsets, found)[reached], goal[reached, 0], atol=1.5e-3)
     moved = quaternion.angle_between(clamp(found, limits)[:, :-1], found[:, :-1])
@@ -203,6 +207,143 @@ def test_limits_are_kept_and_targets_inside_them_reached(arm) -> None:
     behind = np.repeat(np.array([[[-0.9, 0, 0]]], np.float32), 128, axis=0)
     _, status = fabrik_tree(offsets, base, start, behind, limits=limits, **tree)
     assert (np.asarray(status) == NOT_CONVERGED).all()
+
+
+def hinges(*offsets: float, swing: list[list[float]]) -> tuple:
+    """Bones along y that turn about z only, within ``swing``."""
+    count = len(offsets)
+    along = np.zeros((count, 3), np.float32)
+    along[:, 1] = offsets
+    limits = joint_limits(
+        np.repeat([[0, 1.0, 0]], count, axis=0),
+        swing=[[*row, 0, 0] for row in swing],
+        twist=[[0, 0]] * count,
+        across=[[0, 0, 1.0]] * count,
+    )
+    tree = {"parents": tuple(range(-1, count - 1)), "ends": (count - 1,)}
+    return along, limits, tree
+
+
+def identity(count: int, joints: int) -> np.ndarray:
+    local = np.zeros((count, joints, 4), np.float32)
+    local[..., 0] = 1
+    return local
+
+
+def test_a_straight_elbow_that_bends_to_one_side_by_hand() -> None:
+    """Upper arm 0.6 m, forearm 0.8 m. From the straight arm that points at the target no step
+    bends the elbow, which may only turn by positive angles.
+
+    A shoulder at −s and an elbow at e put the hand at (0.6 sin s + 0.8 sin(s − e),
+    0.6 cos s + 0.8 cos(s − e)).
+    """
+    offsets, limits, tree = hinges(0, 0.6, 0.8, swing=[[-np.pi / 2, np.pi / 2], [0, 2.356], [0, 0]])
+    shoulder, elbow = np.radians(88), np.radians(49)
+    goal = [0.6 * np.sin(shoulder) + 0.8 * np.sin(shoulder - elbow)]
+    goal += [0.6 * np.cos(shoulder) + 0.8 * np.cos(shoulder - elbow), 0.0]
+    goal = np.array([[goal]], np.float32)
+    base = np.zeros((1, 3), np.float32)
+    options = {"limits": limits, **tree}
+    _, status = fabrik_tree(offsets, base, identity(1, 3), goal, max_starts=1, **options)
+    assert np.asarray(status).tolist() == [[NOT_CONVERGED]]
+    found, status = fabrik_tree(offsets, base, identity(1, 3), goal, **options)
+    assert np.asarray(status).tolist() == [[REACHED]]
+    turned = 2 * np.arctan2(np.asarray(found)[0, :2, 3], np.asarray(found)[0, :2, 0])
+    np.testing.assert_allclose(turned, [-shoulder, elbow], atol=5e-3)
+
+
+@pytest.mark.parametrize("joints", [3, 5])
+def test_whatever_one_sided_limits_allow_is_reached(joints: int) -> None:
+    """Half of the targets are ends of straight arms: there all bones lie at their limits."""
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        bones = [0.0, *rng.uniform(0.2, 0.8, joints - 1)]
+        high = rng.uniform(0.7, 2.4, (joints, 1)) * [[0, 1]]
+        offsets, limits, tree = hinges(*bones, swing=high.tolist())
+        goal = ends_of(offsets, random_rotations(rng, 200, limits))[:, None]
+        base = np.zeros((200, 3), np.float32)
+        found, status = fabrik_tree(
+            offsets, base, identity(200, joints), goal, limits=limits, **tree
+        )
+        assert (np.asarray(status) == REACHED).all()
+        miss = np.linalg.norm(ends_of(offsets, np.asarray(found)) - goal[:, 0], axis=-1)
+        assert miss.max() < 1.001e-3
+
+
+@pytest.fixture(scope="module")
+def two_arms() -> tuple:
+    """A trunk of 0.5 m, and two arms of 0.3 and 0.25 m on it: joints 5 and 8 are the hands."""
+    offsets = np.zeros((9, 3), np.float32)
+    offsets[1:3, 1] = (0.3, 0.2)
+    offsets[3:6, 0], offsets[6:9, 0] = (0.2, 0.3, 0.25), (-0.2, -0.3, -0.25)
+    along = np.repeat([[1.0, 0, 0]], 9, axis=0)
+    along[:3] = (0, 1, 0)
+    along[6:] = (-1, 0, 0)
+    trunk, arm, elbow = [-0.3, 0.3, -0.2, 0.4], [-1.2, 1.2, -0.9, 1.4], [-0.1, 2.3, 0, 0]
+    limits = joint_limits(
+        along,
+        swing=[trunk, trunk, [-0.1, 0.1, -0.1, 0.1], arm, elbow, [0] * 4, arm, elbow, [0] * 4],
+        twist=[[-0.3, 0.3]] * 3 + [[-0.8, 0.8], [0, 0], [0, 0]] * 2,
+    )
+    return offsets, limits, {"parents": (-1, 0, 1, 2, 3, 4, 2, 6, 7), "ends": (5, 8)}
+
+
+def hands(offsets: np.ndarray, tree: dict, local: np.ndarray) -> np.ndarray:
+    body = Skeleton(names=tuple("abcdefghi"), parents=tree["parents"], offsets=offsets)
+    base = np.zeros((len(local), 3), np.float32)
+    return np.asarray(kinematics.forward(body, base, local)[0][:, [5, 8]])
+
+
+@pytest.mark.parametrize("limited", [True, False])
+def test_of_two_targets_the_one_within_reach_is_reached(two_arms, limited: bool) -> None:
+    offsets, limits, tree = two_arms
+    rng = np.random.default_rng(2)
+    goal = hands(offsets, tree, random_rotations(rng, 64, limits))
+    base = np.zeros((64, 3), np.float32)
+    use = limits if limited else None
+    for out in (0, 1):
+        targets = goal.copy()
+        way = targets[:, out] / np.linalg.norm(targets[:, out], axis=-1, keepdims=True)
+        targets[:, out] = 2.0 * way
+        found, status = fabrik_tree(offsets, base, identity(64, 9), targets, limits=use, **tree)
+        ends, status = hands(offsets, tree, np.asarray(found)), np.asarray(status)
+        assert (status[:, out] == UNREACHABLE_FAR).all()
+        assert (status[:, 1 - out] == REACHED).all()
+        miss = np.linalg.norm(ends - targets, axis=-1)
+        assert miss[:, 1 - out].max() < 1.001e-3
+        # The other hand is stretched towards its target, as far as that allows.
+        assert (miss[:, out] < 2.0 if limited else miss[:, out] < 1.3).all()
+
+
+def test_of_two_targets_that_exclude_each_other_the_first_is_reached() -> None:
+    """Two bones of 0.4 m on one of 0.5 m: both ends cannot be 1.8 m apart, but either at ±0.9."""
+    offsets = np.array([[0, 0, 0], [0, 0.5, 0], [0.4, 0, 0], [-0.4, 0, 0]], np.float32)
+    targets = np.array([[[0.85, 0, 0], [-0.85, 0, 0]]], np.float32)
+    tree = {"parents": (-1, 0, 1, 1), "ends": (2, 3)}
+    base = np.zeros((1, 3), np.float32)
+    for swap in (slice(None), slice(None, None, -1)):
+        _, status = fabrik_tree(offsets, base, identity(1, 4), targets[:, swap], **tree)
+        assert np.asarray(status).tolist() == [[REACHED, NOT_CONVERGED]]
+
+
+def test_more_starts_alone_and_in_a_batch_come_to_the_same(two_arms) -> None:
+    offsets, limits, tree = two_arms
+    rng = np.random.default_rng(3)
+    goal = hands(offsets, tree, random_rotations(rng, 3, limits))
+    goal[1, 0] = (3.0, 0, 0)
+
+    def solve(base, local, targets):
+        return fabrik_tree(offsets, base, local, targets, limits=limits, **tree)
+
+    arrays = np.zeros((3, 3), np.float32), identity(3, 9), goal.astype(np.float32)
+    together, statuses = solve(*arrays)
+    mapped, mapped_statuses = jax.vmap(solve)(*arrays)
+    np.testing.assert_allclose(mapped, together, atol=1e-4)
+    for row in range(3):
+        alone, status = solve(*(x[row] for x in arrays))
+        np.testing.assert_allclose(alone, together[row], atol=1e-4)
+        assert (status == statuses[row]).all()
+        assert (mapped_statuses[row] == status).all()
 
 
 def test_stages_alone_reach_without_limits(arm) -> None:

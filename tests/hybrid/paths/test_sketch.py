@@ -27,6 +27,32 @@ def test_csv(tmp_path: Path) -> None:
     assert sketch.speed.tolist() == [1.5, 2, 1]
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x\tz\tspeed\n0\t0\t1\n0.5\t1\t1\n1.25\t2.5\t2\n",
+        "0 0 1\n 0.5  1 1\n1.25 2.5 2 # the end\n",
+        "0;0;1\n0.5;1;1\n1.25; 2.5; 2\n",
+        "X;Z;Speed\n0;0;1\n0,5;1;1\n1,25;2,5;2\n",
+        "'x','z','speed'\n\"0\",\"0\",\"1\"\n'0.5', '1' ,1\n1.25,2.5,2\n",
+        '"0";"0";"1"\n"0,5";"1";"1"\n"1,25";"2,5";"2"\n',
+        "0,0,1\n0,0,3\n0.5,1,1\n0.5,1,1\n0.5,1,1\n1.25,2.5,2\n1.25,2.5,2\n",
+    ],
+)
+def test_csv_of_other_tools(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "path.csv"
+    file.write_text(text)
+    sketch = load_sketch(file)
+    assert sketch.points.tolist() == [[0, 0], [0.5, 1], [1.25, 2.5]]
+    assert sketch.speed.tolist() == [1, 1, 2]
+
+
+def test_a_closed_path_that_rests_where_it_began() -> None:
+    sketch = make_sketch([[0, 0], [0, 0], [2, 0], [2, 2], [0, 0], [0, 0]])
+    assert sketch.closed
+    assert sketch.points.tolist() == [[0, 0], [2, 0], [2, 2]]
+
+
 def test_json(tmp_path: Path) -> None:
     file = tmp_path / "path.json"
     document = {
@@ -47,7 +73,14 @@ def test_json(tmp_path: Path) -> None:
     [
         ("0,0\n", ("1 point", "at least two")),
         ("x,z\n", ("no points",)),
-        ("0,0\n0,1\n0,1\n0,2\n", ("point 2 twice in a row",)),
+        ("0,0\n0,0\n0,0\n", ("1 point", "at least two that are apart")),
+        ("0,0\n0,5 1,5\n", (":2:", "'0,5 1,5'", "x;z with decimal commas")),
+        ("0,0\n0,5\t1,5\n", (":2:", "x;z with decimal commas")),
+        ('"0,5","1"\n0,2\n', (":1:", "x;z with decimal commas")),
+        ("0;0\n0.5;1\n1,5;2\n", (":3:", "'1,5'", "the decimal mark of the lines before")),
+        ("0;0\n1.234,5;2\n", (":2:", "one decimal mark")),
+        ("0;0\n1,234,5;2\n", (":2:", "one decimal mark")),
+        ("0\t0\n0\t1\t2\n", (":2:", "3 values")),
         ("0,0\n0,nan\n", (":2:", "finite")),
         ("0,0\n0,inf\n", (":2:", "finite")),
         ("0,0\n1\n", (":2:", "1 value")),

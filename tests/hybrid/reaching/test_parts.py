@@ -8,8 +8,8 @@ import pytest
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core import quaternion
 from mgjax.core.body.roles import find_role
-from mgjax.core.easing import plateau, smoothstep
 from mgjax.core.kinematics import forward, global_positions
+from mgjax.core.timing.easing import plateau, smoothstep
 from mgjax.graph.walk import unroll
 from mgjax.hybrid.body.capsules import (
     arm_clearance,

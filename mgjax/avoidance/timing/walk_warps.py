@@ -8,7 +8,6 @@ with a speed that is continuous and changes as slowly as it can.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import groupby
 from typing import TypeAlias
 
@@ -16,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core.errors import MotionError
+from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk
 
@@ -30,54 +30,6 @@ _Run: TypeAlias = tuple[float, float]
 """Seconds of the walk, and the speed at which they are played."""
 _Knot: TypeAlias = tuple[float, float, float]
 """Time, position and speed."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TimeWarp:
-    """Which moment of a walk, as captured, is shown when.
-
-    The speed (seconds of the walk per second of playback) is linear between knots, and 1 before the
-    first and after the last; two knots of one time are a jump.
-
-    Attributes:
-        times: of playback, s from now, ascending. [K]
-        positions: seconds of the walk, all of its edges at their natural duration. [K]
-        speeds: at the knots, > 0; the first and the last are 1. [K]
-    """
-
-    times: Float[np.ndarray, " K"]
-    positions: Float[np.ndarray, " K"]
-    speeds: Float[np.ndarray, " K"]
-
-    def at(self, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, " T"]:
-        """Seconds of the walk that are shown at the given times."""
-        i, rate = self._piece(self.times, times)
-        since = times - self.times[i]
-        return self.positions[i] + since * (self.speeds[i] + 0.5 * rate * since)
-
-    def speed(self, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, " T"]:
-        """Speed at the given times; at a jump, that after it."""
-        i, rate = self._piece(self.times, times)
-        return self.speeds[i] + rate * (times - self.times[i])
-
-    def when(self, positions: Float[np.ndarray, " T"]) -> Float[np.ndarray, " T"]:
-        """Times at which the given seconds of the walk are shown: the inverse of :meth:`at`."""
-        i, rate = self._piece(self.positions, positions)
-        far = positions - self.positions[i]
-        begin = self.speeds[i]
-        # Stable also where the speed hardly changes: x = (v + v') / 2 · t.
-        end = np.sqrt(np.maximum(begin**2 + 2 * rate * far, 0.0))
-        return self.times[i] + 2 * far / (begin + end)
-
-    def _piece(self, knots: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The last knot before each value, and the change of speed per second after it."""
-        i = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 1)
-        durations = np.diff(self.times)
-        rates = np.divide(
-            np.diff(self.speeds), durations, out=np.zeros(len(durations)), where=durations > 0
-        )
-        rates = np.append(rates, 0.0)
-        return i, np.where(at < knots[0], 0.0, rates[i])
 
 
 def speed_change(warp: TimeWarp, until: float, rate: float) -> float:
@@ -110,6 +62,20 @@ def part_moments(graph: MotionGraph, walk: Walk, length: int, part: int) -> Floa
     ends = np.array([graph.label_starts[part], graph.label_stops[part]]) - graph.edge_starts[edge]
     first, last = ends / graph.frame_rate + natural_starts(graph, walk)[length - 1]
     return np.array([first, 0.5 * (first + last), last])
+
+
+def both_warps(
+    graph: MotionGraph, walk: Walk, length: int, part: int, near: tuple[float, float]
+) -> tuple[TimeWarp, TimeWarp]:
+    """How a walk to an avoidance part is played with one speed per edge, and smoothly.
+
+    Args:
+        graph, walk, length, part: as of :func:`part_moments`.
+        near: when the attack comes near, and when it has gone, s from now.
+    """
+    linear = linear_warp(graph, walk)
+    middle = part_moments(graph, walk, length, part)[1:2]
+    return linear, smooth_warp(linear, float(linear.when(middle)[0]), near)
 
 
 def linear_warp(graph: MotionGraph, walk: Walk) -> TimeWarp:

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from mgjax.core.easing import plateau, smoothstep
+from mgjax.core.timing.easing import plateau, smoothstep
 
 
 def test_smoothstep_by_hand() -> None:

@@ -19,9 +19,8 @@ from mgjax.avoidance.choice.selection import Selection, both_timings, select, wr
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
-from mgjax.avoidance.timing.time_warp import (
+from mgjax.avoidance.timing.walk_warps import (
     LEEWAY,
-    TimeWarp,
     linear_warp,
     part_moments,
     smooth_warp,
@@ -30,6 +29,7 @@ from mgjax.avoidance.timing.time_warp import (
 from mgjax.cli.avoid import selection_json
 from mgjax.cli.report import to_json
 from mgjax.core.errors import ConfigError, MotionError
+from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import make_walk, sample_walk
 from tests.avoidance.made import make_graph, throw

@@ -1,0 +1,1 @@
+"""How things go on over time: weights that rise and fall smoothly, and time warps."""

@@ -1,0 +1,1 @@
+"""Small inputs from the field and their right answers, which lie beside the project."""
