@@ -61,7 +61,7 @@ def run(command: Build) -> None:
             need_body=True,
         )
         labels = load_labels(command.labels, clips, command.clips) if command.labels else None
-        skeleton = load_motion(command.skeleton)[0] if command.skeleton else None
+        skeleton = load_motion(command.skeleton) if command.skeleton else None
         readings = {clip.name: dict(clip.reading) for clip in clips}
         read = time.perf_counter()
         graph = build_graph(

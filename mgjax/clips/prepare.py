@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +19,9 @@ from mgjax.core.contacts import foot_joints
 from mgjax.core.errors import SkeletonError
 from mgjax.core.motion import Motion, cut, mirror, resample
 from mgjax.core.skeleton import Skeleton, rest_positions
+
+Put = Callable[[Clip, Motion, str], tuple[Motion, Retargeted | None]]
+"""Puts a motion of a clip, under a name, on the graph's skeleton; says how if it was retargeted."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +51,7 @@ def prepare_clips(
     frame_rate: float,
     mirrored: bool,
     retarget: bool = False,
+    example: Motion | None = None,
 ) -> tuple[list[PreparedClip], list[str]]:
     """Puts clips on one skeleton and rate; returns them with notes on every change made.
 
@@ -55,7 +60,8 @@ def prepare_clips(
     it stands, so that feet stay on the floor. A T-pose in the first frame is cut off, with the
     frames that a converter blended it into; a clip is split where it jumps, and loses a label that
     holds the jump. With ``retarget``, clips of another skeleton (names, proportions, rest pose,
-    bone axes) are put on this one (:func:`mgjax.clips.retarget.clip.carry`).
+    bone axes) are put on this one (:func:`mgjax.clips.retarget.clip.carry`); ``example`` is a
+    motion of the skeleton that shows how its joints turn, beside the clips that have it.
 
     Raises:
         SkeletonError: a clip has another hierarchy or rest pose; the first difference is named.
@@ -65,23 +71,17 @@ def prepare_clips(
     skeleton = graph_skeleton(skeleton)
     prepared: list[PreparedClip] = []
     notes: list[str] = []
-    standing: list[Clip] = []
-    for captured in clips:
-        standing.append(standing_clip(captured, notes))
-        if not retarget:
-            _refuse_other_skeleton(skeleton, standing[-1])
-    carry = Retargeter(skeleton, standing, frame_rate) if retarget else None
+    standing = [standing_clip(clip, notes) for clip in clips]
+    put: Put = (
+        Retargeter(skeleton, standing, frame_rate, example=example)
+        if retarget
+        else _copier(skeleton, standing)
+    )
     for clip in standing:
         lost = set(labels.get(clip.name, ()))
         for name, start, stop in _pieces(clip, notes):
             motion = resample(cut(clip.motion, start, stop), frame_rate)
-            how = None
-            if carry is None or not carry.needed(clip):
-                scale = standing_height(skeleton) / standing_height(clip.skeleton)
-                root = motion.root_translation * np.float32(scale)
-                motion = replace(motion, root_translation=root)
-            else:
-                motion, how = carry(clip, motion, name)
+            motion, how = put(clip, motion, name)
             kept, frames = _labels_of_piece(clip, labels, start, stop, motion)
             lost -= set(kept)
             prepared.append(
@@ -101,13 +101,22 @@ def prepare_clips(
     return prepared, notes
 
 
-def _refuse_other_skeleton(skeleton: Skeleton, clip: Clip) -> None:
-    found = difference(skeleton, clip.skeleton)
-    if found is not None:
-        raise SkeletonError(
-            f"{clip.name}: got {found}, expected one hierarchy and rest pose in all clips;"
-            " --retarget puts clips of another skeleton on this one"
-        )
+def _copier(skeleton: Skeleton, clips: list[Clip]) -> Put:
+    """Copies rotations of clips that have the skeleton's hierarchy and rest pose, or refuses."""
+    for clip in clips:
+        found = difference(skeleton, clip.skeleton)
+        if found is not None:
+            raise SkeletonError(
+                f"{clip.name}: got {found}, expected one hierarchy and rest pose in all clips;"
+                " --retarget puts clips of another skeleton on this one"
+            )
+
+    def put(clip: Clip, motion: Motion, name: str) -> tuple[Motion, None]:
+        scale = standing_height(skeleton) / standing_height(clip.skeleton)
+        root = motion.root_translation * np.float32(scale)
+        return replace(motion, root_translation=root), None
+
+    return put
 
 
 def graph_skeleton(skeleton: Skeleton) -> Skeleton:

@@ -51,7 +51,7 @@ def build_graph(
     *,
     labels: Mapping[str, Iterable[Label]] | None = None,
     config: GraphConfig | None = None,
-    skeleton: Skeleton | None = None,
+    skeleton: Skeleton | tuple[Skeleton, Motion] | None = None,
     progress: bool = False,
 ) -> MotionGraph:
     """Builds a motion graph.
@@ -60,7 +60,8 @@ def build_graph(
         clips: clips, or (skeleton, motion) pairs, or a mapping of names to pairs.
         labels: intervals by clip name that no transition may touch, such as avoidance parts.
         config: settings.
-        skeleton: the skeleton of the graph; by default the first clip's.
+        skeleton: the skeleton of the graph; by default the first clip's. With a motion of it
+            (which does not become part of the graph) it is known for retargeting how it moves.
         progress: shows bars on stderr.
 
     Returns:
@@ -84,7 +85,10 @@ def build_graph(
     validate_labels(by_clip, named)
     watch = _Stopwatch()
     with watch.step("prepare"):
-        timeline, notes = make_timeline(named, by_clip, skeleton or named[0].skeleton, config)
+        reference, example = skeleton if isinstance(skeleton, tuple) else (skeleton, None)
+        timeline, notes = make_timeline(
+            named, by_clip, reference or named[0].skeleton, config, example
+        )
     window = max(1, round(config.window_s * config.frame_rate))
     weights = joint_weights(timeline.skeleton, config.weights)
 

@@ -8,7 +8,9 @@ import numpy as np
 
 from mgjax.clips.prepare import PreparedClip, graph_skeleton, prepare_clips
 from mgjax.clips.types import Clip, Label, Labels
+from mgjax.core.body.rest import standing_rest
 from mgjax.core.contacts import foot_joints, planted
+from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.transition import frame_positions
@@ -32,9 +34,18 @@ class ClipTimeline:
 
 
 def make_timeline(
-    clips: list[Clip], labels: Labels, skeleton: Skeleton, config: GraphConfig
+    clips: list[Clip],
+    labels: Labels,
+    skeleton: Skeleton,
+    config: GraphConfig,
+    example: Motion | None = None,
 ) -> tuple[ClipTimeline, list[str]]:
-    """Prepares clips and lays them out; notes say what was changed."""
+    """Prepares clips and lays them out; notes say what was changed.
+
+    ``example``: a motion of the skeleton, for retargeting.
+    """
+    if example is not None and (rest := standing_rest(skeleton)) is not None:
+        example = rest.motion(example)
     skeleton = graph_skeleton(skeleton)
     prepared, notes = prepare_clips(
         clips,
@@ -43,6 +54,7 @@ def make_timeline(
         frame_rate=config.frame_rate,
         mirrored=config.mirror,
         retarget=config.retarget,
+        example=example,
     )
     lengths = np.array([c.motion.num_frames for c in prepared])
     stops = np.cumsum(lengths)

@@ -11,6 +11,7 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from mgjax.clips.retarget.body import Body, bending_axis
 from mgjax.clips.retarget.plants import held_still
 from mgjax.core import quaternion, two_bone
+from mgjax.core.body.roles import SIDES
 from mgjax.core.contacts import planted
 from mgjax.core.kinematics import forward
 
@@ -52,12 +53,12 @@ class Scale:
 
 def scale_of(source: Body, target: Body, places: Float[np.ndarray, "F S 3"]) -> Scale:
     """The scale from one body to another; heights that were not seen are those of ``places``."""
-    toes = all(f"{s}_toe" in b.roles for s in ("left", "right") for b in (source, target))
+    toes = all(f"{s}_toe" in b.roles for s in SIDES for b in (source, target))
     point = "toe" if toes else "ankle"
     factor = target.leg_length(point) / source.leg_length(point)
     low = source.heights.get(point)
     if low is None:
-        feet = [source.roles[f"{side}_{point}"] for side in ("left", "right")]
+        feet = [source.roles[f"{side}_{point}"] for side in SIDES]
         low = float(np.quantile(places[:, feet, 1].min(axis=1), 0.05))
     return Scale(factor=factor, point=point, low=(low, target.heights.get(point, low * factor)))
 
@@ -66,7 +67,7 @@ def planted_feet(
     source: Body, scale: Scale, places: Float[np.ndarray, "F S 3"], frame_rate: float
 ) -> Bool[np.ndarray, "F 2"]:
     """In which frames the source's left and right foot stand."""
-    feet = [source.roles[f"{side}_{scale.point}"] for side in ("left", "right")]
+    feet = [source.roles[f"{side}_{scale.point}"] for side in SIDES]
     height = max(scale.low[0], 0.0) + PLANT_HEIGHT_M
     return np.asarray(planted(places[:, feet], frame_rate, height=height))
 
@@ -97,33 +98,27 @@ def stand(
     """
     skeleton = target.skeleton
     there, world = (np.asarray(x) for x in forward(skeleton, np.zeros((len(local), 3)), local))
-    hips = [target.roles[f"{side}_hip"] for side in ("left", "right")]
+    hips = [target.roles[f"{side}_hip"] for side in SIDES]
     middle = places[:, [source.roles["left_hip"], source.roles["right_hip"]]].mean(axis=1)
     root = scale.place(middle) - there[:, hips].mean(axis=1)
     on = planted_feet(source, scale, places, frame_rate)
     goals, reach, needs = [], [], []
-    for side, name in enumerate(("left", "right")):
-        hip, ankle = target.roles[f"{name}_hip"], target.roles[f"{name}_ankle"]
-        foot = target.roles[f"{name}_{scale.point}"]
+    for side, name in enumerate(SIDES):
+        hip, ankle, foot = (target.roles[f"{name}_{p}"] for p in ("hip", "ankle", scale.point))
         path = scale.place(places[:, source.roles[f"{name}_{scale.point}"]])
         path = held_still(path, on[:, side], frame_rate)
-        goal = path - (there[:, foot] - there[:, ankle])
-        allowed = _reach(source, target, name, places)
+        goals.append(path - (there[:, foot] - there[:, ankle]))
+        reach.append(_reach(source, target, name, places))
         near = np.clip(1 - (path[:, 1] - scale.low[1]) / _NEAR_FLOOR_M, 0.0, 1.0)
-        needs.append(near * _too_high(root + there[:, hip], goal, allowed))
-        goals.append(goal)
-        reach.append(allowed)
+        needs.append(near * _too_high(root + there[:, hip], goals[-1], reach[-1]))
     root[:, 1] -= _evened(np.maximum(*needs), frame_rate)
     local = local.copy()
-    for name, goal, allowed in zip(("left", "right"), goals, reach, strict=True):
-        hinge = np.asarray(
-            quaternion.rotate(
-                turns[:, source.roles[f"{name}_hip"]], bending_axis(source, f"{name}_hip")[None]
-            )
-        )
+    for name, goal, allowed in zip(SIDES, goals, reach, strict=True):
+        hip = f"{name}_hip"
+        hinge = quaternion.rotate(turns[:, source.roles[hip]], bending_axis(source, hip)[None])
         chain = tuple(target.roles[f"{name}_{part}"] for part in ("hip", "knee", "ankle"))
         leg = [there[:, j] + root for j in chain]
-        new = _solved(leg, goal, allowed, hinge, world, chain, skeleton.parents)
+        new = _solved(leg, goal, allowed, np.asarray(hinge), world, chain, skeleton.parents)
         for joint, turn in zip(chain, new, strict=True):
             local[:, joint] = turn
     return root, np.asarray(quaternion.normalise(local))

@@ -28,39 +28,46 @@ class Retargeter:
         target: the skeleton, with a rest pose that stands.
         clips: all clips, with rest poses that stand.
         frame_rate: of the motions looked at, frames per second.
+        example: a motion of the target.
     """
 
-    def __init__(self, target: Skeleton, clips: Sequence[Clip], frame_rate: float) -> None:
-        self._groups: list[tuple[Skeleton, list[Clip]]] = [(target, [])]
+    def __init__(
+        self,
+        target: Skeleton,
+        clips: Sequence[Clip],
+        frame_rate: float,
+        *,
+        example: Motion | None = None,
+    ) -> None:
+        self._groups: list[tuple[Skeleton, list[Motion]]] = [(target, [example] if example else [])]
         for clip in clips:
             known = (g for s, g in self._groups if same_build(s, clip.skeleton))
             group = next(known, None)
             if group is None:
-                self._groups.append((clip.skeleton, [clip]))
+                self._groups.append((clip.skeleton, [clip.motion]))
             else:
-                group.append(clip)
+                group.append(clip.motion)
         self._frame_rate = frame_rate
         self._bodies: dict[int, Body] = {}
 
-    def needed(self, clip: Clip) -> bool:
-        """Whether a clip has another skeleton than the target's."""
-        return self._group(clip) != 0
-
-    def __call__(self, clip: Clip, motion: Motion, name: str) -> tuple[Motion, Retargeted]:
-        """A motion of a clip's skeleton on the target, and how that went.
+    def __call__(self, clip: Clip, motion: Motion, name: str) -> tuple[Motion, Retargeted | None]:
+        """A motion of a clip on the target, and how that went; None where it is the target's.
 
         Raises:
             SkeletonError: one of the two has no legs.
         """
-        return carry(self._body(self._group(clip), clip.name), self._body(0, name), motion, name)
+        group = self._group(clip)
+        if group == 0:
+            return motion, None
+        return carry(self._body(group, clip.name), self._body(0, name), motion, name)
 
     def _group(self, clip: Clip) -> int:
         return next(i for i, (s, _) in enumerate(self._groups) if same_build(s, clip.skeleton))
 
     def _body(self, group: int, name: str) -> Body:
         if group not in self._bodies:
-            skeleton, clips = self._groups[group]
-            motions = (resample(clip.motion, self._frame_rate) for clip in clips)
+            skeleton, seen = self._groups[group]
+            motions = (resample(motion, self._frame_rate) for motion in seen)
             try:
                 self._bodies[group] = make_body(skeleton, motions)
             except SkeletonError as error:

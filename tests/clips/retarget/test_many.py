@@ -15,8 +15,9 @@ from mgjax.clips.retarget.same import difference, same_build
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.clips.types import Clip, Label
 from mgjax.core import quaternion
+from mgjax.core.body.rest import standing_rest
 from mgjax.core.errors import SkeletonError
-from mgjax.core.kinematics import forward
+from mgjax.core.kinematics import forward, global_positions
 from mgjax.core.skeleton import Skeleton
 from tests.clips.retarget.bodies import mixamo, turned_rest, xsens
 
@@ -51,7 +52,7 @@ def test_clips_of_four_skeletons_become_those_of_one():
     for clip in made[:3]:
         feet = [WALK.skeleton.index(n) for n in ("ltoes", "rtoes")]
         p = forward(WALK.skeleton, clip.motion.root_translation, clip.motion.local_rotations)[0]
-        low = np.quantile(np.asarray(p)[:, feet, 1].min(axis=1), 0.05)
+        low = float(np.quantile(np.asarray(p)[:, feet, 1].min(axis=1), 0.05))
         assert abs(low - 0.02) < PLANT_HEIGHT_M / 3
 
 
@@ -114,9 +115,9 @@ def test_clips_of_a_skeleton_are_treated_alike():
     )
     together = Retargeter(WALK.skeleton, [walk, still, WALK], 30.0)
     moved, row = together(still, still.motion, "up")
+    assert row is not None
     assert row.frames == moved.num_frames
-    assert not together.needed(WALK)
-    assert together.needed(still)
+    assert together(WALK, WALK.motion, "walk") == (WALK.motion, None)
     alone = Retargeter(WALK.skeleton, [walk, WALK], 30.0)
     roots = [go(walk, walk.motion, "walk")[0].root_translation for go in (alone, together)]
     heights = [np.asarray(root)[:, 1].mean() for root in roots]
@@ -190,3 +191,21 @@ def test_limits_by_hand(name, axis, degrees, outside):
     body = make_body(skeleton)
     places, turns = (np.asarray(x) for x in forward(skeleton, np.zeros((1, 3)), local))
     assert outside_limits(body, places, turns).tolist() == [outside]
+
+
+def test_an_example_shows_how_the_target_moves():
+    """Bones along one axis: only motion tells how a foot stands and where a knee bends."""
+    target = mixamo(WALK)
+    rest = standing_rest(target.skeleton)
+    assert rest is not None
+    alone = Retargeter(rest.skeleton, [WALK], 30.0)
+    shown = Retargeter(rest.skeleton, [WALK], 30.0, example=rest.motion(target.motion))
+    want = np.asarray(global_positions(target.skeleton, target.motion))
+    off = []
+    for put in (alone, shown):
+        moved, _ = put(WALK, WALK.motion, "walk")
+        got = np.asarray(global_positions(rest.skeleton, moved))
+        toes = [j for j, name in enumerate(target.skeleton.names) if "Toe" in name]
+        off.append(np.linalg.norm(got - want, axis=-1)[:, toes].mean())
+    assert off[1] < 0.004
+    assert off[0] > 3 * off[1]
