@@ -68,7 +68,7 @@ def retarget(source: Skeleton, motion: Motion, target: Skeleton) -> Motion:
 def carry(source: Body, target: Body, motion: Motion, name: str = "") -> tuple[Motion, Retargeted]:
     """A motion of one body on another, and how that went.
 
-    Joints with the same role turn alike in anatomical axes (:mod:`mgjax.clips.retarget.body`).
+    Joints with the same role turn alike in anatomical axes (:mod:`mgjax.clips.retarget.axes`).
     Paths over the floor are scaled by the length of the legs, and so is the speed of the root.
     Feet are put where the source's are, scaled, and stand still while they are planted.
     """

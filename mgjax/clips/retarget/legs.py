@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
-from mgjax.clips.retarget.body import Body, bending_axis
+from mgjax.clips.retarget.body import Body
 from mgjax.clips.retarget.plants import held_still
 from mgjax.core import quaternion, two_bone
 from mgjax.core.body.roles import SIDES
@@ -115,7 +115,7 @@ def stand(
     local = local.copy()
     for name, goal, allowed in zip(SIDES, goals, reach, strict=True):
         hip = f"{name}_hip"
-        hinge = quaternion.rotate(turns[:, source.roles[hip]], bending_axis(source, hip)[None])
+        hinge = quaternion.rotate(turns[:, source.roles[hip]], source.hinge(hip)[None])
         chain = tuple(target.roles[f"{name}_{part}"] for part in ("hip", "knee", "ankle"))
         leg = [there[:, j] + root for j in chain]
         new = _solved(leg, goal, allowed, np.asarray(hinge), world, chain, skeleton.parents)

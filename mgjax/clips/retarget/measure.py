@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float
 
-from mgjax.clips.retarget.body import Body, bending_axis
+from mgjax.clips.retarget.body import Body
 from mgjax.core import quaternion
 from mgjax.core.contacts import floor_steps, stays_planted
 
@@ -39,7 +39,7 @@ def outside_limits(
     A simple set for every body: knees and elbows bend to 160°, knees to the front by 10°, the head
     turns against the chest by 100°, the chest against the pelvis by 120°.
     """
-    roles, frames = body.roles, body.frames
+    roles = body.roles
     outside = np.zeros(len(places), dtype=bool)
     for side in ("left", "right"):
         for limb in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")):
@@ -51,18 +51,13 @@ def outside_limits(
             )
             outside |= (upper * lower).sum(-1) < np.cos(np.radians(FOLD_DEG))
             if limb[0] == "hip":
-                axis = bending_axis(body, f"{side}_hip")[None]
+                axis = body.hinge(f"{side}_hip")[None]
                 hinge = np.asarray(quaternion.rotate(turns[:, joints[0]], axis))
                 bend = (np.cross(upper, lower) * hinge).sum(-1)
                 outside |= bend < -np.sin(np.radians(BACK_DEG))
-    for low, high, largest in (("chest", "head", HEAD_DEG), ("root", "chest", TRUNK_DEG)):
-        if low not in frames or high not in frames:
-            continue
-        joints = [body.pelvis if role == "root" else roles[role] for role in (low, high)]
-        pair = [
-            np.asarray(quaternion.multiply(turns[:, j], frames[role]))
-            for j, role in zip(joints, (low, high), strict=True)
-        ]
+    trunk = [body.pelvis, *(roles[role] for role in ("chest", "head") if role in roles)]
+    for low, high, largest in zip(trunk, trunk[1:], (TRUNK_DEG, HEAD_DEG), strict=False):
+        pair = [np.asarray(quaternion.multiply(turns[:, j], body.axes(j))) for j in (low, high)]
         angle = np.asarray(quaternion.angle_between(pair[0], pair[1]))
         outside |= angle > np.radians(largest)
     return outside

@@ -6,9 +6,8 @@ bends about its axis, and a foot that stands is flat.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from itertools import product
 
 import numpy as np
 
@@ -44,22 +43,29 @@ class Shown:
             ``left_hip`` that of the thigh, of ``left_knee`` that of the shin.
         flat: rotation of a foot that stands flat and points along +Z, by ``left_ankle``,
             ``left_toe``, …
-        hands: mean rotation of ``left_wrist`` against the elbow, of ``left_hand`` against the
-            wrist, …
+        against: by joint, its mean rotation against another.
         heights: height of balls of the feet (``toe``) and of ankles when they stand, m.
     """
 
     hinges: dict[str, np.ndarray] = field(default_factory=dict)
     flat: dict[str, np.ndarray] = field(default_factory=dict)
-    hands: dict[str, np.ndarray] = field(default_factory=dict)
+    against: dict[int, np.ndarray] = field(default_factory=dict)
     heights: dict[str, float] = field(default_factory=dict)
 
 
-def look_at(skeleton: Skeleton, roles: dict[str, int], motions: Iterable[Motion]) -> Shown:
-    """Gathers what all motions of one skeleton show together."""
+def look_at(
+    skeleton: Skeleton,
+    roles: dict[str, int],
+    motions: Iterable[Motion],
+    pairs: Mapping[int, int] | None = None,
+) -> Shown:
+    """Gathers what all motions of one skeleton show together.
+
+    ``pairs``: the joints of :attr:`Shown.against`, with the joints against which they turn.
+    """
     axes: dict[str, list[tuple[np.ndarray, float, int]]] = {}
     feet: dict[str, list[np.ndarray]] = {}
-    hands: dict[str, list[np.ndarray]] = {}
+    against: dict[int, list[np.ndarray]] = {}
     heights: dict[str, list[float]] = {}
     for motion in motions:
         places, turns = (
@@ -74,11 +80,9 @@ def look_at(skeleton: Skeleton, roles: dict[str, int], motions: Iterable[Motion]
             if roles.keys() >= set(limb):
                 for role, seen in zip(limb, _axes(places, turns, roles, limb), strict=False):
                     axes.setdefault(role, []).append(seen)
-        for side, (part, above) in product(SIDES, (("wrist", "elbow"), ("hand", "wrist"))):
-            if roles.keys() >= {f"{side}_{part}", f"{side}_{above}"}:
-                pair = [turns[:, roles[f"{side}_{p}"]] for p in (above, part)]
-                against = np.asarray(quaternion.multiply(_inverse(pair[0]), pair[1]))
-                hands.setdefault(f"{side}_{part}", []).append(against)
+        for joint, other in (pairs or {}).items():
+            turn = np.asarray(quaternion.multiply(_inverse(turns[:, other]), turns[:, joint]))
+            against.setdefault(joint, []).append(turn)
         for point in ("toe", "ankle"):
             joints = [roles[f"{s}_{point}"] for s in SIDES if f"{s}_{point}" in roles]
             if joints:
@@ -89,7 +93,7 @@ def look_at(skeleton: Skeleton, roles: dict[str, int], motions: Iterable[Motion]
     return Shown(
         hinges={role: axis for role, seen in axes.items() if (axis := _agreed(seen)) is not None},
         flat={role: mean_turn(np.concatenate(q)) for role, q in feet.items() if _enough(q)},
-        hands={role: mean_turn(np.concatenate(q)) for role, q in hands.items() if _enough(q)},
+        against={j: mean_turn(np.concatenate(q)) for j, q in against.items() if _enough(q)},
         heights={point: float(np.median(low)) for point, low in heights.items()},
     )
 

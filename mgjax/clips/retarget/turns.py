@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from mgjax.clips.retarget.axes import trunk
 from mgjax.clips.retarget.body import Body
 from mgjax.core import quaternion
 from mgjax.core.body.height import tree_of
@@ -23,20 +24,17 @@ _ALONE = (
 """Roles that follow the same role; others share what a chain of joints does."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Follow:
-    """What a joint does: the rotation between two joints of the source, in the joint's own axes.
+class Follow(NamedTuple):
+    """What a joint does: it turns as something between two joints of the source.
 
     Attributes:
         first, second: joints of the source.
         share: of the second, 0 … 1.
-        align: rotation from the axes of the joint to those of the source's. [4]
     """
 
     first: int
     second: int
     share: float
-    align: np.ndarray
 
 
 def carried(
@@ -44,9 +42,10 @@ def carried(
 ) -> Float[np.ndarray, "F J 4"]:
     """Local rotations of the target whose joints turn in the world as the source's do.
 
-    A joint takes the rotation of the joint with its role; joints of spine, neck and clavicles take
-    one between those of the joints at the same share of the length; fingers and the like that of
-    the joint with their name. Others, such as twist bones, keep still against their parents.
+    Both are seen in anatomical axes (:mod:`mgjax.clips.retarget.axes`). A joint takes the rotation
+    of the joint with its role; joints of spine, neck and clavicles take one between those of the
+    joints at the same share of the length; fingers and the like that of the joint with their name.
+    Others, such as twist bones, keep still against their parents.
 
     Args:
         source, target: the bodies.
@@ -62,11 +61,12 @@ def carried(
         if follow is None:
             world[:, joint] = world[:, parent]
             continue
-        turn = turns[:, follow.first]
+        turn = quaternion.multiply(turns[:, follow.first], source.axes(follow.first))
         if follow.share > 0:
-            share = np.array(follow.share)
-            turn = quaternion.slerp(turn, turns[:, follow.second], share)
-        world[:, joint] = quaternion.multiply(turn, follow.align)
+            other = quaternion.multiply(turns[:, follow.second], source.axes(follow.second))
+            turn = quaternion.slerp(turn, other, np.array(follow.share))
+        own = np.asarray(quaternion.conjugate(target.axes(joint)))
+        world[:, joint] = quaternion.multiply(turn, own)
         local[:, joint] = world[:, joint]
         if parent >= 0:
             above = quaternion.conjugate(world[:, parent])
@@ -76,68 +76,48 @@ def carried(
 
 def followers(source: Body, target: Body) -> dict[int, Follow]:
     """What each joint of the target does; those that keep still are missing."""
-    plan: dict[int, Follow] = {}
-
-    def follow(joint: int, twin: tuple[int, int, float], role: str) -> None:
-        if role in source.frames and role in target.frames:
-            align = quaternion.multiply(
-                source.frames[role], np.asarray(quaternion.conjugate(target.frames[role]))
-            )
-            first, second, share = twin
-            plan[joint] = Follow(first=first, second=second, share=share, align=np.asarray(align))
-
-    follow(0, (source.pelvis, source.pelvis, 0.0), "root")
+    plan = {0: Follow(source.pelvis, source.pelvis, 0.0)}
     for role in _ALONE:
         if role in source.roles and role in target.roles:
             same = source.roles[role]
-            follow(target.roles[role], (same, same, 0.0), role)
-    shoulders = (("left", "clavicle"), ("right", "clavicle"))
-    for ends, role in (
-        (("", "chest"), "spine"),
-        (("chest", "head"), "neck"),
-        *((("chest", f"{side}_shoulder"), role) for side, role in shoulders),
-    ):
-        for joint, twin in _between(source, target, ends, with_top=role != "clavicle"):
-            follow(joint, twin, role)
+            plan[target.roles[role]] = Follow(same, same, 0.0)
+    chains = [trunk(tree_of(b.skeleton), b.roles, b.pelvis) for b in (source, target)]
+    for role in chains[0].keys() & chains[1].keys():
+        with_top = not role.endswith("shoulder")
+        plan |= _between(source, target, chains[0][role], chains[1][role], with_top=with_top)
     _by_name(source, target, plan)
     return plan
 
 
 def _between(
-    source: Body, target: Body, ends: tuple[str, str], *, with_top: bool
-) -> list[tuple[int, tuple[int, int, float]]]:
-    """Joints of the target between two roles, and where they are between those of the source.
+    source: Body, target: Body, theirs: list[int], ours: list[int], *, with_top: bool
+) -> dict[int, Follow]:
+    """Joints between the ends of a chain, and where they are between those of the source's.
 
     A bone takes the rotation that the source has at its middle. ``with_top``: the upper joint
     counts; of clavicles it does not, as the chest does not move a shoulder.
     """
-    if ends[1] not in source.roles or ends[1] not in target.roles:
-        return []
-    joints, middles = _middles(target, ends)
-    twins, at = _middles(source, ends)
+    middles, at = _middles(target, ours), _middles(source, theirs)
     if not with_top:
-        twins, at = twins[1:-1], at[1:-1]
-    if len(joints) < 3 or not twins:
-        return []
-    found: list[tuple[int, tuple[int, int, float]]] = []
-    for joint, middle in zip(joints[1:-1], middles[1:-1], strict=True):
+        theirs, at = theirs[1:-1], at[1:-1]
+    if not theirs:
+        return {}
+    found: dict[int, Follow] = {}
+    for joint, middle in zip(ours[1:-1], middles[1:-1], strict=True):
         low = int(np.clip(np.searchsorted(at, middle, side="right") - 1, 0, max(len(at) - 2, 0)))
         high = min(low + 1, len(at) - 1)
         share = (middle - at[low]) / max(at[high] - at[low], 1e-9)
-        found.append((joint, (twins[low], twins[high], float(np.clip(share, 0.0, 1.0)))))
+        found[joint] = Follow(theirs[low], theirs[high], float(np.clip(share, 0.0, 1.0)))
     return found
 
 
-def _middles(body: Body, ends: tuple[str, str]) -> tuple[list[int], np.ndarray]:
-    """Joints from one role down to another, and the middles of their bones as shares of all."""
-    tree = tree_of(body.skeleton)
-    top = body.roles[ends[0]] if ends[0] else body.pelvis
-    path = tree.path(top, body.roles[ends[1]])
-    along = np.cumsum([0.0, *(tree.lengths[j] for j in path[1:])])
-    if along[-1] <= 0:
-        along = np.arange(len(path), dtype=np.float64)
-    along = along / max(along[-1], 1e-9)
-    return path, np.append((along[1:] + along[:-1]) / 2, 1.0)
+def _middles(body: Body, path: list[int]) -> np.ndarray:
+    """Middles of the bones of a chain as shares of its length, and 1 for its last joint."""
+    lengths = tree_of(body.skeleton).lengths[path[1:]]
+    if lengths.sum() <= 0:
+        lengths = np.ones(len(path) - 1)
+    along = np.concatenate([[0.0], np.cumsum(lengths)]) / max(lengths.sum(), 1e-9)
+    return np.append((along[1:] + along[:-1]) / 2, 1.0)
 
 
 def _by_name(source: Body, target: Body, plan: dict[int, Follow]) -> None:
@@ -153,11 +133,10 @@ def _by_name(source: Body, target: Body, plan: dict[int, Follow]) -> None:
     limbs = {j for j in target.roles.values() if j != 0}
     for joint, name in enumerate(target.skeleton.names):
         twin, parent = names.get(bare(name).lower()), target.skeleton.parents[joint]
-        above = plan.get(parent)
         on_the_way = any(joint in _path_up(target, j) for j in limbs)
-        if twin is None or joint in known or joint in plan or above is None or on_the_way:
+        if twin is None or joint in known or joint in plan or parent not in plan or on_the_way:
             continue
-        plan[joint] = Follow(first=twin, second=twin, share=0.0, align=above.align)
+        plan[joint] = Follow(twin, twin, 0.0)
 
 
 def _path_up(body: Body, joint: int) -> list[int]:

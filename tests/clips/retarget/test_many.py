@@ -110,7 +110,8 @@ def test_clips_of_a_skeleton_are_treated_alike():
         still,
         name="up",
         motion=replace(
-            still.motion, root_translation=still.motion.root_translation + np.float32([0, 0.5, 0])
+            still.motion,
+            root_translation=still.motion.root_translation + np.array([0, 0.5, 0], np.float32),
         ),
     )
     together = Retargeter(WALK.skeleton, [walk, still, WALK], 30.0)

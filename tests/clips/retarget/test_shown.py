@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mgjax.clips.retarget.body import bending_axis, make_body
+from mgjax.clips.retarget.body import make_body
 from mgjax.clips.retarget.shown import look_at, mean_turn
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.core import quaternion
@@ -63,7 +63,7 @@ def test_the_mean_of_turns_does_not_mind_signs():
 def test_axes_of_a_body_without_motion():
     body = make_body(WALK.skeleton)
     for side in ("left", "right"):
-        np.testing.assert_allclose(bending_axis(body, f"{side}_hip"), [1, 0, 0], atol=1e-6)
+        np.testing.assert_allclose(body.hinge(f"{side}_hip"), [1, 0, 0], atol=1e-6)
     assert body.thigh_and_shin == pytest.approx(0.85)
     assert body.leg_length("ankle") == pytest.approx(0.85)
     assert body.leg_length("toe") == pytest.approx(0.905)
