@@ -78,6 +78,8 @@ class Build(Reading):
     """JSON file of labelled intervals."""
     roles: Path | None = None
     """TOML file of roles and joint names, where those found are wrong."""
+    no_body: bool = False
+    """Take what is no body on two legs, too: such a graph is for no room that needs one."""
     skip_bad: bool = False
     """Leave out files that cannot be read, not stop at them."""
     skeleton: Path | None = None

@@ -103,8 +103,10 @@ def check_body(path: Path, capture: Capture, read_as: ReadAs) -> None:
     """Raises :class:`FileFormatError` for what is no body, or none of a size that people have."""
     tall = capture.reading.height_m
     if tall is None:
-        got = "no body on two legs"
-        raise FileFormatError(path, None, got, "legs with hip, knee and ankle; name them: --roles")
+        four = any(note.kind == "four_legs" for note in capture.reading.notes)
+        got = "a body on four legs" if four else "no body on two legs"
+        wanted = "hip, knee and ankle of two legs (--roles names them), or --no-body"
+        raise FileFormatError(path, None, got, wanted)
     low, high = BODY_M
     if read_as.units is None and not low <= tall <= high:
         raise FileFormatError(

@@ -16,7 +16,7 @@ class Note:
 
     Attributes:
         kind: ``rows``, ``root_folded``, ``beside_body``, ``up_axis``, ``lies``, ``upside_down``,
-            ``floor``, ``sides`` or ``size``.
+            ``floor``, ``sides``, ``four_legs`` or ``size``.
         text: one line for a reader.
     """
 

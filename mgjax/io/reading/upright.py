@@ -128,6 +128,27 @@ def turn_to_y(axis: str) -> np.ndarray:
     return np.array(rows[axis], dtype=np.float64)
 
 
+def on_four_legs(places: np.ndarray, roles: dict[str, int]) -> bool:
+    """Whether what looks like a body stands on its hands as well, with its trunk level; up is Y.
+
+    Someone who crawls on hands and knees has the hips no higher than a thigh; an animal that
+    stands has them as high as a leg.
+    """
+    needed = {f"{s}_{p}" for s in ("left", "right") for p in ("hip", "ankle", "wrist")} | {"chest"}
+    if not needed <= roles.keys():
+        return False
+    hips, feet, hands = (
+        0.5 * (places[:, roles[f"left_{p}"]] + places[:, roles[f"right_{p}"]])
+        for p in ("hip", "ankle", "wrist")
+    )
+    legs = np.linalg.norm(hips - feet, axis=-1)
+    trunk = places[:, roles["chest"]] - hips
+    level = np.abs(trunk[:, 1]) < 0.6 * np.linalg.norm(trunk, axis=-1)
+    stands = hips[:, 1] - feet[:, 1] > 0.6 * legs
+    on_hands = np.abs(hands[:, 1] - feet[:, 1]) < 0.25 * legs
+    return bool(np.mean(level & stands & on_hands) > 0.8)
+
+
 def forward_of(places: np.ndarray, roles: dict[str, int]) -> np.ndarray:
     """[T,3] where the body looks, by its feet or else its knees; up is Y. Not of unit length."""
     forward = np.zeros((len(places), 3))
