@@ -152,6 +152,8 @@ def test_the_other_key_of_the_rate_and_a_stated_one(tmp_path):
     save(tmp_path / "x.npz", mocap_framerate=None, mocap_frame_rate=np.array(59.94))
     assert load_motion(tmp_path / "x.npz")[1].frame_rate == pytest.approx(59.94)
     assert load_motion(tmp_path / "x.npz", frame_rate=30)[1].frame_rate == 30
+    save(tmp_path / "x.npz", mocap_framerate=None)
+    assert load_motion(tmp_path / "x.npz", frame_rate=30)[1].frame_rate == 30
 
 
 @pytest.mark.parametrize(
