@@ -50,6 +50,8 @@ def run(command: Info) -> None:
         lines += _lines(row, show_roles=command.roles)
         if command.roles:
             captures.append((path, capture))
+    if len(bad) == len(files):
+        raise all_of(bad, len(files))
     result = {"files": files}
     if command.out is not None:
         with output_folder(command.out) as folder:

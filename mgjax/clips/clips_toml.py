@@ -21,6 +21,7 @@ from typing import Any
 from mgjax.core.errors import ConfigError
 from mgjax.io.reading.read_as import ReadAs, validate_read_as
 from mgjax.io.toml_file import read_toml
+from mgjax.io.user_path import user_path
 
 NAME = "clips.toml"
 _KEYS = tuple(field.name for field in fields(ReadAs))
@@ -64,7 +65,7 @@ def read_as_from(table: dict[str, Any], file: Path) -> ReadAs:
             raise ConfigError(f"{file}: got {key!r}, expected one of {', '.join(_KEYS)}")
     said = dict(table)
     for key in {"asf", "body_model"} & said.keys():
-        said[key] = file.parent / str(said[key])
+        said[key] = file.parent / user_path(str(said[key]))
     if "roles" in said:
         said["roles"] = _roles(said["roles"], file)
     for key, kinds in (("units", str), ("up", str), ("front", str), ("frame_rate", (int, float))):

@@ -8,6 +8,7 @@ import pytest
 
 from mgjax.cli.arguments import Info, Replay, Sensor
 from mgjax.cli.main import with_user_paths
+from mgjax.clips.clips_toml import read_as_from
 from mgjax.io.user_path import user_path
 
 
@@ -16,6 +17,13 @@ def test_home(monkeypatch: pytest.MonkeyPatch) -> None:
     assert user_path("~/clips") == Path("/home/of/somebody/clips")
     assert user_path("clips/~") == Path("clips/~")
     assert user_path("~nobody-of-this-name/a") == Path("~nobody-of-this-name/a")
+
+
+def test_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", "/home/of/somebody")
+    read_as = read_as_from({"asf": "~/a.asf"}, Path("clips/clips.toml"))
+    assert read_as.asf == Path("/home/of/somebody/a.asf")
+    assert read_as_from({"asf": "a.asf"}, Path("clips/clips.toml")).asf == Path("clips/a.asf")
 
 
 def test_arguments(monkeypatch: pytest.MonkeyPatch) -> None:

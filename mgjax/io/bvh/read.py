@@ -16,6 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import orjson
 
 from mgjax.core import quaternion
 from mgjax.core.errors import FileFormatError
@@ -118,13 +119,22 @@ def _read_rows(path: str | Path, lines: list[str], first: int, channels: int) ->
 
 
 def _numbers(text: str) -> np.ndarray | None:
-    """All numbers of a text, or None where something in it is no finite number."""
+    """All numbers of a text, or None where something in it is no finite number.
+
+    Most files have numbers as JSON has them, which orjson reads three times as fast as Python.
+    """
     if not is_plain(text):
         return None
+    tokens = text.split()
     try:
-        values = np.array(text.split(), dtype=np.float64)
-    except ValueError:
-        return None
+        if "t" in text or "f" in text:  # true and false are JSON, too
+            raise ValueError
+        values = np.fromiter(orjson.loads(f"[{','.join(tokens)}]"), np.float64, len(tokens))
+    except (ValueError, TypeError):
+        try:
+            values = np.fromiter(map(float, tokens), np.float64, len(tokens))
+        except ValueError:
+            return None
     return values if np.isfinite(values).all() else None
 
 
@@ -155,19 +165,25 @@ def _assemble(
     rotations = np.zeros((frames, len(joints), 4))
     rotations[..., 0] = 1
     places: dict[int, np.ndarray] = {}
+    turned: dict[str, tuple[list[int], list[int]]] = {}
     column = 0
     for index, joint in enumerate(joints):
         block = values[:, column : column + len(joint.channels)]
-        column += len(joint.channels)
         turns = [i for i, (_, kind) in enumerate(joint.channels) if kind == "rotation"]
         order = "".join(joint.channels[i][0] for i in turns)
-        if turns:
-            rotations[:, index] = quaternion.from_euler(np.deg2rad(block[:, turns]), order)
+        if turns:  # joints whose angles have one order are turned together
+            members, columns = turned.setdefault(order, ([], []))
+            members.append(index)
+            columns += [column + i for i in turns]
+        column += len(joint.channels)
         moves = [i for i, (_, kind) in enumerate(joint.channels) if kind == "position"]
         if moves:
             places[index] = np.tile(offsets[index], (frames, 1))
             axes = ["XYZ".index(joint.channels[i][0]) for i in moves]
             places[index][:, axes] = block[:, moves]
+    for order, (members, columns) in turned.items():
+        angles = np.deg2rad(values[:, columns]).reshape(frames, len(members), -1)
+        rotations[:, members] = quaternion.from_euler(angles, order)
     # Where position channels move the root, its OFFSET is a place and no bone.
     root = places.pop(0, np.tile(offsets[0], (frames, 1)))
     offsets[0] = 0
