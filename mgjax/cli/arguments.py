@@ -65,6 +65,22 @@ class Info(Reading):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Convert(Reading):
+    """Write a motion in another format: .bvh, .glb, .vrma, .usd, .usda, .usdc, .npz or .csv."""
+
+    file: tyro.conf.Positional[Path]
+    """BVH, GLB or NPZ file (also of AMASS), or AMC file with its ASF beside it; or a folder."""
+    out: Path
+    """File to write; its suffix says in which format. Of a folder: the folder to write to."""
+    to: str | None = None
+    """Suffix of the files to write, where a folder is read with all folders below it."""
+    frame_rate: float | None = None
+    """Frames per second to write, with poses in between interpolated; default: as captured."""
+    body_model: Path | None = None
+    """NPZ file of the SMPL body whose motion an AMASS file has; default: rough proportions."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Build(Reading):
     """Build a motion graph from a folder of clips."""
 
@@ -217,7 +233,7 @@ class Replay(Reading):
     """Send a motion file as a motion sensor would, in real time (VMC protocol, OSC over UDP)."""
 
     file: tyro.conf.Positional[Path]
-    """BVH file, or AMC file with its ASF beside it."""
+    """BVH, GLB or NPZ file, or AMC file with its ASF beside it."""
     roles: Path | None = None
     """TOML file of roles and joint names, where those found are wrong."""
     out: Path | None = None

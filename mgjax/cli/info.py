@@ -9,17 +9,16 @@ from typing import Any
 from tqdm import tqdm
 
 from mgjax.cli.arguments import Info
-from mgjax.cli.reading import read_as_of
+from mgjax.cli.reading import files_of, read_as_of
 from mgjax.cli.report import emit, to_json
-from mgjax.clips.clips_toml import ClipsToml, over
-from mgjax.clips.folder import all_of, clip_files
+from mgjax.clips.clips_toml import over
+from mgjax.clips.folder import all_of
 from mgjax.clips.oddities import find_oddities
 from mgjax.core.body.roles import find_roles
 from mgjax.core.errors import MgjaxError
 from mgjax.io.load import read_capture
 from mgjax.io.output import output_folder
 from mgjax.io.reading.capture import Capture
-from mgjax.io.reading.read_as import ReadAs
 
 SURE = 0.9
 """A unit less likely than this is said to be a guess."""
@@ -36,7 +35,7 @@ def run(command: Info) -> None:
     lines: list[str] = []
     bad: list[MgjaxError] = []
     captures: list[tuple[Path, Capture]] = []
-    found = _files(command.files)
+    found = files_of(command.files)
     hidden = not (sys.stderr.isatty() and len(found) > 20)
     for path, known in tqdm(found, desc="reading", unit="clip", disable=hidden, leave=False):
         try:
@@ -65,19 +64,6 @@ def run(command: Info) -> None:
     emit(result, lines, as_json=command.json)
     if bad:
         raise all_of(bad, len(files))
-
-
-def _files(paths: tuple[Path, ...]) -> list[tuple[Path, ReadAs]]:
-    """The files, and those in folders; with what a ``clips.toml`` beside them says."""
-    found: list[tuple[Path, ReadAs]] = []
-    for path in paths:
-        if path.is_dir():
-            known = ClipsToml(path)
-            found += [(path / name, known.of(path / name)) for name in clip_files(path)]
-        else:
-            known = ClipsToml(path.parent) if (path.parent / "clips.toml").is_file() else None
-            found.append((path, known.of(path) if known else ReadAs()))
-    return found
 
 
 def describe(path: Path, capture: Capture) -> dict[str, Any]:
