@@ -69,7 +69,9 @@ def _convert_folder(command: Convert) -> None:
 def _convert(command: Convert, source: Path, known: ReadAs, target: Path) -> dict[str, Any]:
     """Converts one file; returns what is told of it."""
     rate = command.frame_rate
-    read_as = over(known, replace(read_as_of(command, None), body_model=command.body_model))
+    read_as = over(
+        known, replace(read_as_of(command, command.roles), body_model=command.body_model)
+    )
     if rate is not None and source.suffix.lower() in (".glb", ".vrma"):
         read_as = replace(read_as, frame_rate=rate)  # it has curves over time, not frames
     skeleton, motion = load_motion(source, read_as=read_as)

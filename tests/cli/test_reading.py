@@ -39,7 +39,7 @@ def test_info_shows_the_body(tmp_path: Path) -> None:
     assert "left_knee: ltibia" in done.out
     assert (tmp_path / "out" / "plain_body.png").stat().st_size > 10_000
     (tmp_path / "roles.toml").write_text('head = "lowerneck"\n')
-    done = run("info", tmp_path / "plain.bvh", "--roles", "--roles-from", tmp_path / "roles.toml")
+    done = run("info", tmp_path / "plain.bvh", "--roles", tmp_path / "roles.toml")
     assert "head: lowerneck" in done.out
 
 
