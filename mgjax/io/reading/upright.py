@@ -150,14 +150,17 @@ def on_four_legs(places: np.ndarray, roles: dict[str, int]) -> bool:
 
 
 def forward_of(places: np.ndarray, roles: dict[str, int]) -> np.ndarray:
-    """[T,3] where the body looks, by its feet or else its knees; up is Y. Not of unit length."""
+    """[T,3] where the body looks, by its knees and feet; up is Y. Not of unit length.
+
+    A knee bends ahead, also of a leg that swings back with its foot behind it; where legs are
+    straight, the feet decide.
+    """
     forward = np.zeros((len(places), 3))
     for side in ("left", "right"):
         hip, knee, ankle = (places[:, roles[f"{side}_{p}"]] for p in ("hip", "knee", "ankle"))
+        forward += 3 * (knee - 0.5 * (hip + ankle))
         if f"{side}_toe" in roles:
             forward += places[:, roles[f"{side}_toe"]] - ankle
-        else:
-            forward += knee - 0.5 * (hip + ankle)
     forward[:, 1] = 0
     return forward
 
