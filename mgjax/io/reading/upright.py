@@ -134,19 +134,26 @@ def on_four_legs(places: np.ndarray, roles: dict[str, int]) -> bool:
     Someone who crawls on hands and knees has the hips no higher than a thigh; an animal that
     stands has them as high as a leg.
     """
-    needed = {f"{s}_{p}" for s in ("left", "right") for p in ("hip", "ankle", "wrist")} | {"chest"}
+    parts = ("hip", "knee", "ankle", "wrist")
+    needed = {f"{side}_{part}" for side in ("left", "right") for part in parts} | {"chest"}
     if not needed <= roles.keys():
         return False
-    hips, feet, hands = (
-        0.5 * (places[:, roles[f"left_{p}"]] + places[:, roles[f"right_{p}"]])
-        for p in ("hip", "ankle", "wrist")
+    hips, _, feet, hands = (
+        0.5 * (places[:, roles[f"left_{part}"]] + places[:, roles[f"right_{part}"]])
+        for part in parts
     )
-    legs = np.linalg.norm(hips - feet, axis=-1)
+    legs = _leg(places, roles)
     trunk = places[:, roles["chest"]] - hips
     level = np.abs(trunk[:, 1]) < 0.6 * np.linalg.norm(trunk, axis=-1)
     stands = hips[:, 1] - feet[:, 1] > 0.6 * legs
     on_hands = np.abs(hands[:, 1] - feet[:, 1]) < 0.25 * legs
     return bool(np.mean(level & stands & on_hands) > 0.8)
+
+
+def _leg(places: np.ndarray, roles: dict[str, int]) -> float:
+    """Length of the left leg from hip to ankle, m."""
+    hip, knee, ankle = (places[0, roles[f"left_{part}"]] for part in ("hip", "knee", "ankle"))
+    return float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee))
 
 
 def forward_of(places: np.ndarray, roles: dict[str, int]) -> np.ndarray:
