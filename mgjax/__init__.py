@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from mgjax.core.skeleton import Skeleton as Skeleton
     from mgjax.io.bvh.write import save_bvh as save_bvh
     from mgjax.io.load import load_motion as load_motion
+    from mgjax.io.save import save_motion as save_motion
 else:
     __getattr__, __dir__, __all__ = attach(
         __name__,
@@ -41,6 +42,7 @@ else:
             "MgjaxError": "mgjax.core.errors",
             "Motion": "mgjax.core.motion",
             "save_bvh": "mgjax.io.bvh.write",
+            "save_motion": "mgjax.io.save",
             "Skeleton": "mgjax.core.skeleton",
         },
     )

@@ -41,7 +41,7 @@ def test_the_source_archive_has_the_sources_only(built: Path) -> None:
         names = {name.partition("/")[2] for name in files.getnames()}
     tops = {name.partition("/")[0] for name in names}
     assert tops <= {
-        *("mgjax", "configs", "experiments", "notebooks", "tests"),
+        *("mgjax", "configs", "docs", "experiments", "notebooks", "tests"),
         *("CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "README.md", "Makefile"),
         *("pyproject.toml", "PKG-INFO", ".gitignore"),
     }

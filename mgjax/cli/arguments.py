@@ -1,7 +1,4 @@
-"""The commands and their arguments; :mod:`mgjax.cli.main` imports their work when they run.
-
-Defaults are those of the configurations, which import neither jax nor numpy.
-"""
+"""The commands and their arguments, with defaults of the configurations: no jax, no numpy."""
 
 from __future__ import annotations
 
@@ -11,14 +8,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from mgjax.avoidance.config import (
-    ARRIVALS_S,
-    BALL_RADIUS_M,
-    BALL_SPEED_M_S,
-    DIRECTIONS,
-    HEIGHTS_M,
-    NODES,
-)
+from mgjax.avoidance import config as avoidance
 from mgjax.sensor.config import HOST, PORT, ReplayConfig
 
 Vector = tuple[float, float, float]
@@ -51,21 +41,43 @@ class Reading(Output):
 
 
 @dataclass(frozen=True, kw_only=True)
+class KnownReading(Reading):
+    """What is known of the clips and of the body in them."""
+
+    roles: Path | None = None
+    """TOML file of roles and joint names, where those found are wrong."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Info(Reading):
     """Describe motion files: skeleton, frames, rate, unit, axes, body, oddities."""
 
-    files: tyro.conf.Positional[tuple[Path, ...]]
+    files: tyro.conf.Positional[tuple[Path, ...]] = ()
     """Motion files, or folders of them."""
-    roles: bool = False
-    """Show which joint is what of the body; with --out as a picture, too."""
-    roles_from: Path | None = None
-    """TOML file of roles and joint names, where those found are wrong."""
+    roles: tuple[Path, ...] | None = None
+    """Show what is what of the body, with --out as a picture; a TOML file says it better."""
     out: Path | None = None
     """Folder for info.json and the pictures."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Build(Reading):
+class Convert(KnownReading):
+    """Write a motion in another format: .bvh, .glb, .vrma, .usd, .usda, .usdc, .npz or .csv."""
+
+    file: tyro.conf.Positional[Path]
+    """BVH, GLB or NPZ file (also of AMASS), or AMC file with its ASF beside it; or a folder."""
+    out: Path
+    """File to write; its suffix says in which format. Of a folder: the folder to write to."""
+    to: str | None = None
+    """Suffix of the files to write, where a folder is read with all folders below it."""
+    frame_rate: float | None = None
+    """Frames per second to write, with poses in between interpolated; default: as captured."""
+    body_model: Path | None = None
+    """NPZ file of the SMPL body whose motion an AMASS file has; default: rough proportions."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Build(KnownReading):
     """Build a motion graph from a folder of clips."""
 
     clips: Path
@@ -76,8 +88,8 @@ class Build(Reading):
     """Glob on the path below the clips' folder; may be given more than once."""
     labels: Path | None = None
     """JSON file of labelled intervals."""
-    roles: Path | None = None
-    """TOML file of roles and joint names, where those found are wrong."""
+    no_body: bool = False
+    """Take what is no body on two legs, too: such a graph is for no room that needs one."""
     skip_bad: bool = False
     """Leave out files that cannot be read, not stop at them."""
     skeleton: Path | None = None
@@ -112,7 +124,7 @@ class Avoid(Output):
     """Folder for motion.bvh, result.json, scene.png and volumes.npz."""
     gravity: bool = False
     """The ball falls; otherwise it flies straight."""
-    radius: float = BALL_RADIUS_M
+    radius: float = avoidance.BALL_RADIUS_M
     """Radius of the ball, m."""
     node: int | None = None
     """Where the character stands in the graph; default: drawn by the seed."""
@@ -182,15 +194,15 @@ class Coverage(Output):
     """Folder of a graph with labelled avoidance parts."""
     out: Path
     """Folder for coverage.json, coverage.npz and coverage.png."""
-    directions: int = DIRECTIONS
+    directions: int = avoidance.DIRECTIONS
     """How many directions balls come from, all around."""
-    nodes: int = NODES
+    nodes: int = avoidance.NODES
     """At how many places in the graph; at each, one ball comes from every direction."""
-    heights: tuple[float, ...] = HEIGHTS_M
+    heights: tuple[float, ...] = avoidance.HEIGHTS_M
     """Where balls pass the body's axis, m; dealt out among them."""
-    arrivals: tuple[float, ...] = ARRIVALS_S
+    arrivals: tuple[float, ...] = avoidance.ARRIVALS_S
     """Seconds from now until a ball is there; dealt out among them."""
-    speed: float = BALL_SPEED_M_S
+    speed: float = avoidance.BALL_SPEED_M_S
     """Speed of the balls, m/s."""
     seed: int = 0
     """Draws the nodes and deals heights and times."""
@@ -213,13 +225,11 @@ class Bench(Output):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Replay(Reading):
+class Replay(KnownReading):
     """Send a motion file as a motion sensor would, in real time (VMC protocol, OSC over UDP)."""
 
     file: tyro.conf.Positional[Path]
-    """BVH file, or AMC file with its ASF beside it."""
-    roles: Path | None = None
-    """TOML file of roles and joint names, where those found are wrong."""
+    """BVH, GLB or NPZ file, or AMC file with its ASF beside it."""
     out: Path | None = None
     """Folder for replay.json."""
     host: str = HOST

@@ -58,7 +58,7 @@ def run(command: Build) -> None:
             progress=progress,
             read_as=read_as,
             skip_bad=command.skip_bad,
-            need_body=True,
+            need_body=not command.no_body,
         )
         labels = load_labels(command.labels, clips, command.clips) if command.labels else None
         skeleton = load_motion(command.skeleton) if command.skeleton else None

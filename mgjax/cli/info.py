@@ -9,17 +9,16 @@ from typing import Any
 from tqdm import tqdm
 
 from mgjax.cli.arguments import Info
-from mgjax.cli.reading import read_as_of
+from mgjax.cli.reading import files_of, read_as_of
 from mgjax.cli.report import emit, to_json
-from mgjax.clips.clips_toml import ClipsToml, over
-from mgjax.clips.folder import all_of, clip_files
+from mgjax.clips.clips_toml import over
+from mgjax.clips.folder import all_of
 from mgjax.clips.oddities import find_oddities
 from mgjax.core.body.roles import find_roles
-from mgjax.core.errors import MgjaxError
+from mgjax.core.errors import ConfigError, MgjaxError
 from mgjax.io.load import read_capture
 from mgjax.io.output import output_folder
 from mgjax.io.reading.capture import Capture
-from mgjax.io.reading.read_as import ReadAs
 
 SURE = 0.9
 """A unit less likely than this is said to be a guess."""
@@ -31,12 +30,14 @@ def run(command: Info) -> None:
     Raises:
         MgjaxError: files were bad; all others have been described.
     """
-    said = read_as_of(command, command.roles_from)
+    show_roles = command.roles is not None
+    files_said, roles_said = _told_apart(command)
+    said = read_as_of(command, roles_said)
     files: list[dict[str, Any]] = []
     lines: list[str] = []
     bad: list[MgjaxError] = []
     captures: list[tuple[Path, Capture]] = []
-    found = _files(command.files)
+    found = files_of(files_said)
     hidden = not (sys.stderr.isatty() and len(found) > 20)
     for path, known in tqdm(found, desc="reading", unit="clip", disable=hidden, leave=False):
         try:
@@ -48,8 +49,8 @@ def run(command: Info) -> None:
             continue
         row = describe(path, capture)
         files.append(row)
-        lines += _lines(row, show_roles=command.roles)
-        if command.roles:
+        lines += _lines(row, show_roles=show_roles)
+        if show_roles:
             captures.append((path, capture))
     if len(bad) == len(files):
         raise all_of(bad, len(files))
@@ -67,17 +68,16 @@ def run(command: Info) -> None:
         raise all_of(bad, len(files))
 
 
-def _files(paths: tuple[Path, ...]) -> list[tuple[Path, ReadAs]]:
-    """The files, and those in folders; with what a ``clips.toml`` beside them says."""
-    found: list[tuple[Path, ReadAs]] = []
-    for path in paths:
-        if path.is_dir():
-            known = ClipsToml(path)
-            found += [(path / name, known.of(path / name)) for name in clip_files(path)]
-        else:
-            known = ClipsToml(path.parent) if (path.parent / "clips.toml").is_file() else None
-            found.append((path, known.of(path) if known else ReadAs()))
-    return found
+def _told_apart(command: Info) -> tuple[tuple[Path, ...], Path | None]:
+    """Motion files, and the TOML file of roles: ``--roles`` takes all that follows it."""
+    after = command.roles or ()
+    tables = [path for path in after if path.suffix.lower() == ".toml"]
+    files = (*command.files, *(path for path in after if path not in tables))
+    if len(tables) > 1:
+        raise ConfigError(f"got {len(tables)} files of roles, expected one")
+    if not files:
+        raise ConfigError("got no motion file, expected at least one")
+    return files, tables[0] if tables else None
 
 
 def describe(path: Path, capture: Capture) -> dict[str, Any]:

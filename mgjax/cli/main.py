@@ -10,10 +10,22 @@ from typing import Annotated, Any
 
 import tyro
 
-from mgjax.cli.arguments import Avoid, Bench, Build, Coverage, Demo, Info, Scene, Sensor, Walk
+from mgjax.cli.arguments import (
+    Avoid,
+    Bench,
+    Build,
+    Convert,
+    Coverage,
+    Demo,
+    Info,
+    Scene,
+    Sensor,
+    Walk,
+)
 
 MODULES: dict[type, str] = {
     Info: "info",
+    Convert: "convert",
     Build: "build",
     Avoid: "avoid",
     Walk: "walk",
@@ -27,6 +39,7 @@ MODULES: dict[type, str] = {
 
 Command = (
     Annotated[Info, tyro.conf.subcommand("info")]
+    | Annotated[Convert, tyro.conf.subcommand("convert")]
     | Annotated[Build, tyro.conf.subcommand("build")]
     | Annotated[Avoid, tyro.conf.subcommand("avoid")]
     | Annotated[Walk, tyro.conf.subcommand("walk")]

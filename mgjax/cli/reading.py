@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from mgjax.cli.arguments import Reading
-from mgjax.clips.clips_toml import read_as_from
+from mgjax.clips.clips_toml import ClipsToml, read_as_from
+from mgjax.clips.folder import clip_files
 from mgjax.core.errors import ConfigError
 from mgjax.io.reading.read_as import ReadAs
 from mgjax.io.toml_file import read_toml
@@ -30,6 +31,19 @@ def read_as_of(command: Reading, roles: Path | None) -> ReadAs:
     if roles is not None:
         said["roles"] = read_toml(roles)[1]
     return read_as_from(said, roles or Path("command line"))
+
+
+def files_of(paths: tuple[Path, ...]) -> list[tuple[Path, ReadAs]]:
+    """The files, and those in folders; with what a ``clips.toml`` beside them says."""
+    found: list[tuple[Path, ReadAs]] = []
+    for path in paths:
+        if path.is_dir():
+            known = ClipsToml(path)
+            found += [(path / name, known.of(path / name)) for name in clip_files(path)]
+        else:
+            known = ClipsToml(path.parent) if (path.parent / "clips.toml").is_file() else None
+            found.append((path, known.of(path) if known else ReadAs()))
+    return found
 
 
 def _floor(text: str) -> float | str:

@@ -59,13 +59,13 @@ class ClipsToml:
 
 
 def read_as_from(table: dict[str, Any], file: Path) -> ReadAs:
-    """A table of settings as :class:`ReadAs`; ASF files are named relative to ``file``."""
+    """A table of settings as :class:`ReadAs`; files in it are named relative to ``file``."""
     for key in table:
         if key not in _KEYS:
             raise ConfigError(f"{file}: got {key!r}, expected one of {', '.join(_KEYS)}")
     said = dict(table)
-    if "asf" in said:
-        said["asf"] = file.parent / user_path(str(said["asf"]))
+    for key in {"asf", "body_model"} & said.keys():
+        said[key] = file.parent / user_path(str(said[key]))
     if "roles" in said:
         said["roles"] = _roles(said["roles"], file)
     for key, kinds in (("units", str), ("up", str), ("front", str), ("frame_rate", (int, float))):

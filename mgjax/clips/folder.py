@@ -16,6 +16,7 @@ from mgjax.clips.types import Clip
 from mgjax.core.errors import FileFormatError, MgjaxError, MotionError
 from mgjax.core.motion import Motion
 from mgjax.io.load import SUFFIXES, read_capture
+from mgjax.io.npz.read import holds_no_motion
 from mgjax.io.reading.capture import Capture
 from mgjax.io.reading.interpret import BODY_M
 from mgjax.io.reading.read_as import ReadAs
@@ -26,7 +27,7 @@ def clip_files(folder: Path, exclude: Sequence[str] = ()) -> list[str]:
     """Paths of the motion files in a folder and below, relative to it, in their order.
 
     Links to folders are followed. A folder that is reached on several ways counts once, under the
-    name that it has without links where it has one.
+    name that it has without links where it has one. An ``.npz`` file with other arrays is none.
 
     Raises:
         MotionError: there is no such folder, or no clip in it.
@@ -36,6 +37,9 @@ def clip_files(folder: Path, exclude: Sequence[str] = ()) -> list[str]:
     files = _motion_files(folder)
     names = sorted(p.relative_to(folder).as_posix() for p in files)
     names = [n for n in names if not any(fnmatch(n, pattern) for pattern in exclude)]
+    arrays = [n for n in names if n.lower().endswith(".npz")]
+    other = {n for n in arrays if holds_no_motion(folder / n)}
+    names = [n for n in names if n not in other]
     if not names:
         raise MotionError(f"{folder}: got no clip, expected {' or '.join(SUFFIXES)} files")
     return names
@@ -103,8 +107,10 @@ def check_body(path: Path, capture: Capture, read_as: ReadAs) -> None:
     """Raises :class:`FileFormatError` for what is no body, or none of a size that people have."""
     tall = capture.reading.height_m
     if tall is None:
-        got = "no body on two legs"
-        raise FileFormatError(path, None, got, "legs with hip, knee and ankle; name them: --roles")
+        four = any(note.kind == "four_legs" for note in capture.reading.notes)
+        got = "a body on four legs" if four else "no body on two legs"
+        wanted = "hip, knee and ankle of two legs (--roles names them), or --no-body"
+        raise FileFormatError(path, None, got, wanted)
     low, high = BODY_M
     if read_as.units is None and not low <= tall <= high:
         raise FileFormatError(

@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from mgjax.core import planar, quaternion
 from mgjax.core.arrays import Array, namespace
-from mgjax.core.body.roles import require_roles
+from mgjax.core.body.heading import across_joints
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton, depth_levels
 
@@ -58,7 +58,7 @@ def global_positions(skeleton: Skeleton, motion: Motion) -> Float[Array, "F J 3"
 
 def planar_frames(skeleton: Skeleton, positions: Float[Array, "*b J 3"]) -> Float[Array, "*b 3"]:
     """The planar frame (θ, x, z) of the body for each pose; see :func:`planar.frame_of`."""
-    left, right = require_roles(skeleton, ("left_hip", "right_hip"))
+    left, right = across_joints(skeleton)
     return planar.frame_of(positions[..., 0, :], positions[..., left, :], positions[..., right, :])
 
 

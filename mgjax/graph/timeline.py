@@ -9,6 +9,7 @@ import numpy as np
 from mgjax.clips.prepare import PreparedClip, graph_skeleton, prepare_clips
 from mgjax.clips.types import Clip, Label, Labels
 from mgjax.core.body.rest import standing_rest
+from mgjax.core.body.roles import find_role
 from mgjax.core.contacts import foot_joints, planted
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
@@ -62,13 +63,7 @@ def make_timeline(
     root = np.concatenate([_centred(np.asarray(c.motion.root_translation)) for c in prepared])
     rotations = np.concatenate([np.asarray(c.motion.local_rotations) for c in prepared])
     positions = frame_positions(skeleton, root, rotations)
-    feet = list(foot_joints(skeleton))
-    plants = np.concatenate(
-        [
-            planted(positions[a:b, feet], config.frame_rate)
-            for a, b in zip(starts, stops, strict=True)
-        ]
-    )
+    plants = _plants(skeleton, positions, starts, stops, config.frame_rate)
     frames = np.concatenate(
         [c.label_frames + a for c, a in zip(prepared, starts, strict=True)]
     ).astype(np.int64)
@@ -86,6 +81,21 @@ def make_timeline(
         labels=[label for c in prepared for label in c.labels],
     )
     return timeline, notes
+
+
+def _plants(
+    skeleton: Skeleton,
+    positions: np.ndarray,
+    starts: np.ndarray,
+    stops: np.ndarray,
+    frame_rate: float,
+) -> np.ndarray:
+    """[F,2] when each foot is planted; never, where there are no legs."""
+    if find_role(skeleton, "left_ankle") is None or find_role(skeleton, "right_ankle") is None:
+        return np.zeros((len(positions), 2), dtype=bool)
+    feet = list(foot_joints(skeleton))
+    spans = zip(starts, stops, strict=True)
+    return np.concatenate([planted(positions[a:b, feet], frame_rate) for a, b in spans])
 
 
 def _centred(root: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from mgjax.core.errors import FileFormatError
+from mgjax.core.errors import FileFormatError, MgjaxError
 
 MAX_POSES = 100_000_000
 """Frames × joints: two hours at 120 Hz of a body with fingers. More is a broken header."""
@@ -41,6 +41,12 @@ def parse_number(path: str | Path, line: int, token: str, what: str) -> float:
     if not math.isfinite(value):
         raise FileFormatError(path, line, quoted(token), f"a finite number for {what}")
     return value
+
+
+def unfit(path: str | Path, error: MgjaxError) -> FileFormatError:
+    """The error for a file whose skeleton or motion was refused by a check of these."""
+    got, _, expected = str(error).partition(", expected ")
+    return FileFormatError(path, None, got, expected or "a skeleton and a motion that fits it")
 
 
 def is_plain(text: str) -> bool:

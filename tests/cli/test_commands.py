@@ -22,7 +22,18 @@ BUILD_KEYS = {
 AVOID_KEYS = {
     *("status", "candidates", "dropped", "walk", "time_scale", "energy", "clearance_m"),
 }
-COMMANDS = ["info", "build", "avoid", "coverage", "walk", "scene", "sensor", "demo", "bench"]
+COMMANDS = [
+    "info",
+    "convert",
+    "build",
+    "avoid",
+    "coverage",
+    "walk",
+    "scene",
+    "sensor",
+    "demo",
+    "bench",
+]
 DROPPED = {"culled", "not_adjustable", "time_scale", "hit", "overflow"}
 AVOID_FILES = {"motion.bvh", "result.json", "scene.png", "volumes.npz"}
 PNG = b"\x89PNG\r\n\x1a\n"

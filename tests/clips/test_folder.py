@@ -10,6 +10,8 @@ import pytest
 from mgjax.clips.folder import load_clips
 from mgjax.core.errors import FileFormatError, MotionError
 from mgjax.io.bvh.write import save_bvh
+from mgjax.io.gltf.write import save_glb
+from mgjax.io.npz.write import save_npz
 from tests.conftest import make_motion, make_skeleton
 
 BODY = make_skeleton()
@@ -56,6 +58,20 @@ def test_excluded(folder, exclude, want):
     assert names(folder, exclude=exclude) == want
 
 
+def test_other_formats_are_clips_and_other_arrays_are_none(folder):
+    motion = make_motion(BODY, 6, seed=9)
+    save_glb(folder / "a.glb", BODY, motion)
+    save_npz(folder / "c.npz", BODY, make_motion(BODY, 6, seed=8))
+    np.savez(folder / "volumes.npz", times=np.arange(3))
+    clips, notes = load_clips(folder)
+    assert [c.name for c in clips] == ["a.glb", "b/deep/x.bvh", "b/y.BVH", "c.npz", "z.bvh"]
+    assert not [note for note in notes if "volumes" in note]
+    np.testing.assert_array_equal(clips[0].motion.local_rotations, motion.local_rotations)
+    (folder / "volumes.npz").write_bytes(b"PK damaged")
+    with pytest.raises(FileFormatError, match=r"volumes\.npz: got no \.npz archive"):
+        load_clips(folder)
+
+
 def test_the_second_of_two_clips_with_one_motion_is_left_out(folder):
     shutil.copy(folder / "z.bvh", folder / "b" / "copy.bvh")
     clips, notes = load_clips(folder)
@@ -91,7 +107,7 @@ def test_nothing_to_load(folder, tmp_path):
         load_clips(folder / "z.bvh")
     (tmp_path / "empty").mkdir()
     for options in ({"folder": tmp_path / "empty"}, {"folder": folder, "exclude": ["*"]}):
-        with pytest.raises(MotionError, match=r"got no clip, expected \.bvh or \.amc files"):
+        with pytest.raises(MotionError, match=r"got no clip, expected \.bvh or .* \.npz files"):
             load_clips(**options)
 
 

@@ -92,5 +92,7 @@ def _continuous(angles: np.ndarray) -> np.ndarray:
         return np.abs((a - b + np.pi) % turn - np.pi).sum(axis=-1)
 
     changes = far(other[1:], angles[:-1]) < far(angles[1:], angles[:-1])
-    odd = np.concatenate([np.zeros_like(changes[:1]), np.cumsum(changes, axis=0) % 2 == 1])
+    odd = np.concatenate(
+        [np.zeros((1, angles.shape[1]), bool), np.cumsum(changes, axis=0) % 2 == 1]
+    )
     return np.unwrap(np.where(odd[..., None], other, angles), axis=0)

@@ -17,8 +17,9 @@ from mgjax.io.reading.capture import Capture, Reading
 from mgjax.io.reading.raw import Note, RawMotion
 from mgjax.io.reading.read_as import ReadAs
 from mgjax.io.reading.roots import fold_root
-from mgjax.io.reading.stand import stand, with_roles
+from mgjax.io.reading.stand import sampled, stand, with_roles
 from mgjax.io.reading.units import UNITS, FoundUnit, Unit, unit_of_body, unit_of_thing
+from mgjax.io.reading.upright import on_four_legs
 from mgjax.io.text import MAX_PLACE_M, quoted
 
 BODY_M = (0.9, 2.6)
@@ -45,10 +46,22 @@ def interpret(raw: RawMotion, read_as: ReadAs) -> Capture:
     capture = _metric(folded, found, None if height is None else height * metres)
     if above is not None:
         above = replace(above, translation=above.translation * metres)
+    if height is not None and not read_as.roles and on_four_legs(sampled(capture), roles):
+        return replace(_on_four_legs(capture), floor_root=above)
     if height is not None and not (raw.settled and read_as == ReadAs()):
         capture, above = stand(capture, above, roles, read_as, stated=raw.settled)
     capture = with_roles(capture, limbs, roles, read_as)
     return replace(capture, floor_root=above)
+
+
+def _on_four_legs(capture: Capture) -> Capture:
+    """An animal with the joints of a body: it has a root and no other role."""
+    note = Note("four_legs", "it stands on four legs: no body for avoiding, walking or kicking")
+    reading = replace(
+        capture.reading, height_m=None, notes=(*capture.reading.notes, note), unit_sure=0.0
+    )
+    skeleton = replace(capture.skeleton, roles=(("root", 0),))
+    return replace(capture, skeleton=skeleton, reading=reading)
 
 
 def _roles(raw: RawMotion, tree: Tree, limbs: Limbs | None, read_as: ReadAs) -> dict[str, int]:

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from mgjax.io.reading.units import Unit
+from mgjax.core.motion import Motion
+from mgjax.core.skeleton import Skeleton
+from mgjax.io.reading.units import UNITS, Unit
 
 
 @dataclass(frozen=True)
@@ -16,7 +18,7 @@ class Note:
 
     Attributes:
         kind: ``rows``, ``root_folded``, ``beside_body``, ``up_axis``, ``lies``, ``upside_down``,
-            ``floor``, ``sides`` or ``size``.
+            ``floor``, ``sides``, ``four_legs`` or ``size``.
         text: one line for a reader.
     """
 
@@ -55,3 +57,22 @@ class RawMotion:
     unit: Unit | None = None
     settled: bool = False
     notes: tuple[Note, ...] = ()
+
+
+def settled(path: str | Path, skeleton: Skeleton, motion: Motion) -> RawMotion:
+    """What was read from a format that says metres and Y up; no digit is lost."""
+    moving = motion.joint_offsets
+    return RawMotion(
+        path=Path(path),
+        names=skeleton.names,
+        parents=skeleton.parents,
+        end_joints=skeleton.end_joints,
+        offsets=np.asarray(skeleton.offsets, np.float64),
+        lines=(0,) * skeleton.num_joints,
+        root=np.asarray(motion.root_translation, np.float64),
+        rotations=np.asarray(motion.local_rotations, np.float64),
+        moving=None if moving is None else np.asarray(moving, np.float64),
+        frame_rate=motion.frame_rate,
+        unit=UNITS["m"],
+        settled=True,
+    )

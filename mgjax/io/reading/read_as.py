@@ -25,6 +25,7 @@ class ReadAs:
         frame_rate: frames per second at which the file was captured.
         floor: height of the floor in the file, m; ``"keep"`` leaves the heights as they are.
         asf: the ASF skeleton of an AMC file.
+        body_model: the body whose motion an AMASS file has, see :mod:`mgjax.io.amass.model`.
         roles: (role, joint name) pairs that count more than what is found.
     """
 
@@ -34,13 +35,14 @@ class ReadAs:
     frame_rate: float | None = None
     floor: float | str | None = None
     asf: Path | None = None
+    body_model: Path | None = None
     roles: tuple[tuple[str, str], ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """What was said, ready for JSON; empty where nothing was."""
         said = {k: v for k, v in vars(self).items() if v is not None and v != ()}
-        if "asf" in said:
-            said["asf"] = str(said["asf"])
+        for name in {"asf", "body_model"} & said.keys():
+            said[name] = str(said[name])
         if "roles" in said:
             said["roles"] = dict(self.roles)
         return said

@@ -46,7 +46,7 @@ def stand(
     skeleton, motion, reading = capture.skeleton, capture.motion, capture.reading
     tree = tree_of(skeleton)
     height = reading.height_m or 0.0
-    places = _sampled(skeleton, motion)
+    places = sampled(capture)
     up = find_up(tree, roles, places, height, "y" if stated and not read_as.up else read_as.up)
     notes = [*reading.notes, *up.notes]
     turn = turn_to_y(up.axis)
@@ -80,8 +80,9 @@ def stand(
     return Capture(skeleton=skeleton, motion=motion, reading=reading), above
 
 
-def _sampled(skeleton: Skeleton, motion: Motion) -> np.ndarray:
+def sampled(capture: Capture) -> np.ndarray:
     """[T,J,3] joint places of frames spread over the motion, m."""
+    skeleton, motion = capture.skeleton, capture.motion
     frames = np.unique(np.linspace(0, motion.num_frames - 1, SAMPLES).astype(int))
     offsets = motion.joint_offsets
     places, _ = forward(
@@ -157,7 +158,7 @@ def with_roles(
     skeleton = capture.skeleton
     swapped = False
     if limbs is not None and not limbs.named_sides and "left_hip" in roles:
-        swapped = sides_swapped(_sampled(skeleton, capture.motion), roles)
+        swapped = sides_swapped(sampled(capture), roles)
         said = dict(read_as.roles)
         if swapped:
             roles = {

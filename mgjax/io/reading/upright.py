@@ -128,15 +128,46 @@ def turn_to_y(axis: str) -> np.ndarray:
     return np.array(rows[axis], dtype=np.float64)
 
 
+def on_four_legs(places: np.ndarray, roles: dict[str, int]) -> bool:
+    """Whether what looks like a body stands on its hands as well, with its trunk level; up is Y.
+
+    Someone who crawls on hands and knees has the hips no higher than a thigh; an animal that
+    stands has them as high as a leg.
+    """
+    parts = ("hip", "knee", "ankle", "wrist")
+    needed = {f"{side}_{part}" for side in ("left", "right") for part in parts} | {"chest"}
+    if not needed <= roles.keys():
+        return False
+    hips, _, feet, hands = (
+        0.5 * (places[:, roles[f"left_{part}"]] + places[:, roles[f"right_{part}"]])
+        for part in parts
+    )
+    legs = _leg(places, roles)
+    trunk = places[:, roles["chest"]] - hips
+    level = np.abs(trunk[:, 1]) < 0.6 * np.linalg.norm(trunk, axis=-1)
+    stands = hips[:, 1] - feet[:, 1] > 0.6 * legs
+    on_hands = np.abs(hands[:, 1] - feet[:, 1]) < 0.25 * legs
+    return bool(np.mean(level & stands & on_hands) > 0.8)
+
+
+def _leg(places: np.ndarray, roles: dict[str, int]) -> float:
+    """Length of the left leg from hip to ankle, m."""
+    hip, knee, ankle = (places[0, roles[f"left_{part}"]] for part in ("hip", "knee", "ankle"))
+    return float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee))
+
+
 def forward_of(places: np.ndarray, roles: dict[str, int]) -> np.ndarray:
-    """[T,3] where the body looks, by its feet or else its knees; up is Y. Not of unit length."""
+    """[T,3] where the body looks, by its knees and feet; up is Y. Not of unit length.
+
+    A knee bends ahead, also of a leg that swings back with its foot behind it; where legs are
+    straight, the feet decide.
+    """
     forward = np.zeros((len(places), 3))
     for side in ("left", "right"):
         hip, knee, ankle = (places[:, roles[f"{side}_{p}"]] for p in ("hip", "knee", "ankle"))
+        forward += 3 * (knee - 0.5 * (hip + ankle))
         if f"{side}_toe" in roles:
             forward += places[:, roles[f"{side}_toe"]] - ankle
-        else:
-            forward += knee - 0.5 * (hip + ankle)
     forward[:, 1] = 0
     return forward
 

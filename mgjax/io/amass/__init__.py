@@ -1,0 +1,1 @@
+"""Motions of the SMPL body as AMASS distributes them: reading."""

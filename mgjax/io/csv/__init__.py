@@ -1,0 +1,1 @@
+"""Joint places as a table of text: writing."""
