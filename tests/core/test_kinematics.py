@@ -6,7 +6,7 @@ import jax
 import numpy as np
 import pytest
 
-from mgjax.core import kinematics, planar
+from mgjax.core import kinematics, planar, quaternion
 from mgjax.core.errors import SkeletonError
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
@@ -115,9 +115,17 @@ def test_planar_frames_follow_the_body(body, random_motion):
     assert (across[:, 0] > 0).all()
 
 
-def test_planar_frames_need_hips():
-    with pytest.raises(SkeletonError, match="left_hip"):
-        kinematics.planar_frames(random_tree(4, 0), np.zeros((4, 3), np.float32))
+def test_planar_frames_without_hips():
+    # An animal or a prop has a heading as well: of a line that turns with it.
+    skeleton = random_tree(4, 0)
+    places = np.random.default_rng(0).normal(size=(4, 3)).astype(np.float32)
+    turn = quaternion.from_yaw(np.float32(0.5))
+    turned = np.asarray(quaternion.rotate(turn, places))
+    frames = [np.asarray(kinematics.planar_frames(skeleton, x)) for x in (places, turned)]
+    assert frames[1][0] - frames[0][0] == pytest.approx(0.5, abs=1e-5)
+    point = replace(skeleton, offsets=np.zeros((4, 3), np.float32))
+    with pytest.raises(SkeletonError, match="4 joints at one place"):
+        kinematics.planar_frames(point, np.zeros((4, 3), np.float32))
 
 
 def test_velocities_worked_by_hand():
