@@ -31,7 +31,5 @@ def across_joints(skeleton: Skeleton) -> tuple[int, int]:
         lengths[joint] += lengths[parent] if parent >= 0 else 0.0
     farthest = int(np.argmax(lengths))
     if lengths[farthest] <= 0:
-        raise SkeletonError(
-            f"got joints at one place ({', '.join(skeleton.names)}), expected bones"
-        )
+        raise SkeletonError(got=f"{skeleton.num_joints} joints at one place", expected="bones")
     return farthest, 0
