@@ -1,0 +1,1 @@
+"""What runs behind the page: throw, sketch, match and edit."""

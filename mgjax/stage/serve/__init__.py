@@ -1,0 +1,1 @@
+"""The page's server: HTTP and WebSocket on this machine, and a worker that computes."""

@@ -1,0 +1,1 @@
+"""What is to be seen, as plain records that the page draws."""
