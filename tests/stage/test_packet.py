@@ -26,14 +26,17 @@ def test_values_and_arrays_come_back():
 def test_every_type_keeps_type_and_shape(name):
     array = np.array([[0, 1, 100]], name)
     back = unpack(pack(array))
-    assert back.dtype == array.dtype and back.shape == array.shape
+    assert back.dtype == array.dtype
+    assert back.shape == array.shape
     np.testing.assert_array_equal(back, array)
 
 
 def test_bytes_by_hand():
     data = pack({"a": np.array([1, 2, 3], np.uint8)})
     (length,) = struct.unpack("<I", data[4:8])
-    assert data[:4] == b"MGS1" and length % 4 == 0 and len(data) == 8 + length + 4
+    assert data[:4] == b"MGS1"
+    assert length % 4 == 0
+    assert len(data) == 8 + length + 4
     header = json.loads(data[8 : 8 + length])
     assert header == {
         "value": {"a": {"$array": 0}},
