@@ -54,10 +54,6 @@ class Job:
         self._stop.set()
         self._thread.join(wait)
 
-    def join(self) -> None:
-        """Waits for the end."""
-        self._thread.join()
-
     def _watch(self, share: float, text: str) -> None:
         if self._stop.is_set():
             raise Stopped

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from glob import escape
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,12 @@ KEPT = 16
 
 Read = Callable[[str], tuple[Clip, tuple[str, ...]]]
 """Reads a clip by its name, with what there is to say of it, a line each."""
+
+Load = Callable[
+    [Callable[[float], None], Collection[str], Collection[str]], tuple[list[Clip], list[str]]
+]
+"""Reads clips for a graph, with notes; gets what is told the share that is read, the names of those
+that are left out, and the names that stay, of two clips with identical motion."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,7 +65,7 @@ class Library:
     Args:
         names: of all clips.
         read: reads one.
-        load: all clips for a graph, with notes; told the share that is read.
+        load: reads all for a graph.
         folder: where they lie, or None.
     """
 
@@ -66,7 +73,7 @@ class Library:
         self,
         names: Sequence[str],
         read: Read,
-        load: Callable[[Callable[[float], None]], tuple[list[Clip], list[str]]],
+        load: Load,
         folder: Path | None = None,
     ) -> None:
         self.names = tuple(names)
@@ -162,7 +169,7 @@ class Library:
             return self._entries[name]
 
 
-def folder_library(folder: str | Path, exclude: Sequence[str] = ()) -> Library:
+def folder_library(folder: str | Path) -> Library:
     """The motion files in a folder and below.
 
     Raises:
@@ -170,7 +177,7 @@ def folder_library(folder: str | Path, exclude: Sequence[str] = ()) -> Library:
         MgjaxError: a ``clips.toml`` that cannot be read.
     """
     place = user_path(folder)
-    names = clip_files(place, exclude)
+    names = clip_files(place)
     toml = ClipsToml(place)
 
     def read(name: str) -> tuple[Clip, tuple[str, ...]]:
@@ -179,8 +186,13 @@ def folder_library(folder: str | Path, exclude: Sequence[str] = ()) -> Library:
         lines = (first.removeprefix(f"{name}: "), *(line.strip() for line in rest))
         return Clip(name=name, skeleton=capture.skeleton, motion=capture.motion), lines
 
-    def load(watch: Callable[[float], None]) -> tuple[list[Clip], list[str]]:
-        return load_clips(place, exclude=exclude, skip_bad=True, need_body=True, watch=watch)
+    def load(
+        watch: Callable[[float], None], without: Collection[str], prefer: Collection[str]
+    ) -> tuple[list[Clip], list[str]]:
+        exclude = [escape(name) for name in sorted(without)]
+        return load_clips(
+            place, exclude=exclude, skip_bad=True, need_body=True, prefer=prefer, watch=watch
+        )
 
     return Library(names, read, load, place)
 
@@ -198,4 +210,9 @@ def memory_library(clips: Sequence[Clip]) -> Library:
         )
         return clip, (first, *(o.text for o in find_oddities(clip.skeleton, motion)))
 
-    return Library(list(by_name), read, lambda watch: (list(clips), []))
+    def load(
+        watch: Callable[[float], None], without: Collection[str], prefer: Collection[str]
+    ) -> tuple[list[Clip], list[str]]:
+        return [clip for clip in clips if clip.name not in without], []
+
+    return Library(list(by_name), read, load)
