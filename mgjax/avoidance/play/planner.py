@@ -218,6 +218,8 @@ class Planner:
         self._pending = None
         line = self.timeline
         if thrown.attack.end <= line.end:
+            if thrown.asked is None:
+                thrown.search = "committed"
             return
         place = line.frame_at_end()
         others = [

@@ -72,7 +72,7 @@ function begin() {
 /** Keeps messages that come while the application's program is still loading. */
 function hold(link) {
   const kept = [];
-  const stops = ['note', 'sentence'].map((type) => link.on(type, (message) => kept.push(message)));
+  const stops = ['note', 'sentence', 'show'].map((type) => link.on(type, (message) => kept.push(message)));
   return {
     release() {
       stops.forEach((stop) => stop());

@@ -116,4 +116,6 @@ def track(
         np.concatenate([[0.0], since]).astype(np.float32),
         physics=BallPhysics(radius=radius),
     )
-    return np.concatenate([times, times[-1] + since]), np.concatenate([places, np.asarray(tail)[1:]])
+    return np.concatenate([times, times[-1] + since]), np.concatenate(
+        [places, np.asarray(tail)[1:]]
+    )

@@ -46,7 +46,7 @@ def replay_show(lanes: list[Lane], throws: list[Throw], *, ghosts: bool) -> Show
     """
     lane, throw = lanes[0], throws[0]
     assert throw.answer is not None, "only what is over can be shown again"
-    first = max(throw.answer.known - BEFORE_S, 0.0)
+    first = max(throw.attack.start - BEFORE_S, 0.0)
     stretch = Stretch(first=first, seconds=throw.attack.end + AFTER_S - first)
     graph = lane.prepared.graph
     actors = [
@@ -59,8 +59,15 @@ def replay_show(lanes: list[Lane], throws: list[Throw], *, ghosts: bool) -> Show
         for each in lanes
     ]
     balls = [_ball(each, thrown, first) for each, thrown in zip(lanes, throws, strict=True)]
-    spans = [Span(row="ball", start=throw.attack.start - first, end=throw.attack.end - first,
-                  text="in the air", colour="orange")]
+    spans = [
+        Span(
+            row="ball",
+            start=throw.attack.start - first,
+            end=throw.attack.end - first,
+            text="in the air",
+            colour="orange",
+        )
+    ]
     notes: list[tuple[str, str]] = []
     if ghosts and throw.found is not None:
         rows = candidates_of(lane, throw.found.asked)
@@ -105,9 +112,7 @@ def reason(row: Explained) -> str:
     return {"time scale": "time scale out of range", "unchecked": "not checked"}[row.outcome]
 
 
-def walk_frames(
-    lane: Lane, asked: Asked, row: Explained, times: Float[np.ndarray, " T"]
-) -> Motion:
+def walk_frames(lane: Lane, asked: Asked, row: Explained, times: Float[np.ndarray, " T"]) -> Motion:
     """A candidate as it would have been played; before its beginning what was played."""
     begun = times >= asked.begins
     after = sample_walk(
@@ -149,7 +154,7 @@ def _ball(lane: Lane, throw: Throw, first: float) -> Ball:
 
 def _moments(throw: Throw, first: float) -> list[tuple[str, float]]:
     assert throw.answer is not None
-    moments = [("thrown", throw.answer.known - first)]
+    moments = [("thrown", max(throw.attack.start - first, 0.0))]
     if throw.found is not None:
         moments.append(("path begins", throw.found.asked.begins - first))
     if throw.contact is not None:

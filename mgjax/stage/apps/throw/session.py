@@ -10,7 +10,6 @@ from jaxtyping import Float
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.transform import in_frame
-from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.play.clocks import Searches, ThreadSearches
 from mgjax.avoidance.prepared import Prepared
 from mgjax.core import planar
@@ -19,7 +18,13 @@ from mgjax.stage.apps.throw.aim import passing_point, thrown_along, thrown_at_ra
 from mgjax.stage.apps.throw.clock import SessionClock
 from mgjax.stage.apps.throw.lane import COLOURS, RATE, Lane, Throw
 from mgjax.stage.apps.throw.replay import replay_show
-from mgjax.stage.apps.throw.settings import BallSettings, settings_json, with_ball, with_search
+from mgjax.stage.apps.throw.settings import (
+    START,
+    BallSettings,
+    settings_json,
+    with_ball,
+    with_search,
+)
 from mgjax.stage.apps.throw.study import LETTERS, Trial, make_trial, pick_line, trial_show
 from mgjax.stage.apps.throw.words import expected, figures, outcome
 from mgjax.stage.serve.fields import flag, number, point, text, whole
@@ -123,7 +128,7 @@ class ThrowSession:
             self._searches(),
             self._send,
             self._tell,
-            config=AvoidanceConfig(),
+            config=START,
             seed=self._seed + 1000 * number,
             start=start,
         )
@@ -321,9 +326,7 @@ class ThrowSession:
         self._picks.append(pick_line(self._trial, letter, observer))
         agrees = letter == LETTERS[self._trial.chosen]
         self._trial = None
-        self._send(
-            {"type": "note", "event": "picked", "agrees": agrees, "picks": len(self._picks)}
-        )
+        self._send({"type": "note", "event": "picked", "agrees": agrees, "picks": len(self._picks)})
 
     def _download_picks(self, message: Message) -> None:
         if not self._picks:

@@ -21,12 +21,14 @@ class BallSettings:
         notice: seconds from the throw to the body.
     """
 
-    speed: float = 8.0
+    speed: float = 7.0
     radius: float = BALL_RADIUS_M
     gravity: float = 0.0
-    notice: float = 1.2
+    notice: float = 1.5
 
 
+START = AvoidanceConfig(T_window=2.0)
+"""Settings of the search at the beginning: a wide window finds a way out more often."""
 BALL_RANGES = {
     "speed": (2.0, 30.0),
     "radius": (0.03, 0.4),

@@ -5,8 +5,8 @@ A pick is one JSON object on a line:
     {"format": "mgjax-study-1", "trial": 3, "observer": "A", "when": "2026-…",
      "node": 17, "attack": {"radii", "times", "centres"},       as an attack's JSON file has it
      "settings": {"form", "d0", "E_avoidance", "D_body", "E_time", "w_a", "w_b", "w_t", "T_window"},
-     "candidates": [{"letter", "edges", "scales", "part", "kind", "clearance_m",
-                     "energy": {"total", "avoidance", "body", "timescale", "penetration", "d", "d0"},
+     "candidates": [{"letter", "edges", "scales", "part", "kind", "clearance_m", "energy": {
+                     "total", "avoidance", "body", "timescale", "penetration", "d", "d0"},
                      "time_scale"}],                             in the order in which they stood
      "library": "B", "pick": "A"}
 """
@@ -94,9 +94,7 @@ def trial_show(trial: Trial) -> Show:
             motion, root_translation=np.asarray(root), local_rotations=rotations
         )
         letter = LETTERS[place]
-        actors.append(
-            Actor(id=letter, body=0, frames=frames_of(moved), colour="grey", note=letter)
-        )
+        actors.append(Actor(id=letter, body=0, frames=frames_of(moved), colour="grey", note=letter))
         attack = asked.attack
         balls.append(
             Ball(

@@ -53,6 +53,8 @@ def _far(centimetres: float) -> str:
 
 
 def _why_hit(answer: Answer, kind: str) -> str:
+    if answer.search == "committed":
+        return "what was being played could not be left in time"
     if answer.search == "late":
         return "the search ended too late"
     if answer.search == "no_candidate":
