@@ -34,7 +34,8 @@ def labels_message(book: LabelBook, clip: str | None, problem: str = "") -> Mess
     """The labels of one clip, or of all, with what can be done to them."""
     clips = [clip] if clip is not None else book.table.clips()
     return {
-        "type": "labels",
+        "type": "note",
+        "event": "labels",
         "all": clip is None,
         "clips": {name: book.rows(name) for name in clips},
         "problem": problem,
@@ -78,15 +79,12 @@ def seam_show(graph: MotionGraph, seam: Seam) -> Show:
         bodies=show.bodies,
         actors=show.actors,
         spans=[span for span in spans if span.end > span.start],
-        moments=[("seam", seam.start)],
     )
 
 
 def seam_rows(seam: Seam) -> list[tuple[str, str]]:
     """The figures of a transition, for a table."""
     rows = [
-        ("leaves", f"{seam.leaves[0]} at {seam.leaves[1]:.2f} s"),
-        ("arrives", f"{seam.arrives[0]} at {seam.arrives[1]:.2f} s"),
         ("distance", f"{100 * seam.distance:.1f} cm"),
     ]
     if seam.slide is not None:

@@ -111,7 +111,7 @@ class EditSession:
         what = {"kind": "duck", **self._what(message)}
         made = self._bench.book.table.add(name, extent, start, stop, **what)
         self._tell_labels(name)
-        self._send({"type": "chosen", "clip": name, "label": made.id})
+        self._send({"type": "note", "event": "chosen", "clip": name, "label": made.id})
 
     def _label_change(self, message: Message) -> None:
         name, extent = self._place(message)
@@ -144,7 +144,7 @@ class EditSession:
         problem = "" if entry.extent is None else book.problem(name, entry.extent)
         self._bench.tell(labels_message(book, name, problem))
         if go:
-            self._send({"type": "went", "clip": name})
+            self._send({"type": "note", "event": "went", "clip": name})
 
     def _save(self, message: Message) -> None:
         book = self._bench.book
@@ -159,7 +159,7 @@ class EditSession:
             said = book.save(overwrite="overwrite" in message and flag(message, "overwrite"))
         except OutputError:
             if book.file.changed_on_disk():
-                self._send({"type": "conflict"})
+                self._send({"type": "note", "event": "conflict"})
             raise
         self._bench.tell(labels_message(book, None))
         self._bench.tell(sentence(said, "good"))
@@ -192,7 +192,15 @@ class EditSession:
         edge = whole(message, "edge", 0, graph.num_edges - 1)
         seam = seam_of(graph, edge)
         show = seam_show(graph, seam)
-        self._send({"type": "seam", "edge": edge, "words": show.words, "rows": seam_rows(seam)})
+        self._send(
+            {
+                "type": "note",
+                "event": "seam",
+                "edge": edge,
+                "words": show.words,
+                "rows": seam_rows(seam),
+            }
+        )
         self._send(show_message(show, of="transition", edge=edge))
 
     def _throw(self, message: Message) -> None:

@@ -105,6 +105,11 @@ class Workbench:
         if job is not None:
             job.stop()
 
+    @property
+    def busy(self) -> bool:
+        """Whether work goes on in the background."""
+        return bool(self._jobs)
+
     def need_graph(self) -> MotionGraph:
         """The graph; :class:`GraphError` where there is none yet."""
         if self.graph is None:
@@ -125,7 +130,7 @@ class Workbench:
         entries = self.library.take_new()
         if entries:
             rows = [entry_row(entry, self.book) for entry in entries]
-            self.tell({"type": "rows", "rows": rows})
+            self.tell({"type": "note", "event": "rows", "rows": rows})
         if self._rounds:
             self.coverage = self._rounds[-1]
             self._rounds.clear()
@@ -133,7 +138,16 @@ class Workbench:
         for name, job in list(self._jobs.items()):
             if job.over:
                 del self._jobs[name]
-                self.tell({"type": "job", "job": name, "share": 1.0, "text": "", "running": False})
+                self.tell(
+                    {
+                        "type": "note",
+                        "event": "job",
+                        "job": name,
+                        "share": 1.0,
+                        "text": "",
+                        "running": False,
+                    }
+                )
                 self._ended(name, job)
         self._progress()
 
@@ -141,8 +155,10 @@ class Workbench:
         """All that a new tab has to know."""
         file = self.book.file
         path = None if file is None else file.path.name
+        ready: Message = {"type": "ready", "app": "edit", "title": "Edit", "options": {}}
         first: Message = {
-            "type": "clips",
+            "type": "note",
+            "event": "clips",
             "names": list(self.library.names),
             "folder": None if self.library.folder is None else str(self.library.folder),
             "labels_file": path,
@@ -150,7 +166,12 @@ class Workbench:
             "settings": vars(self.settings),
         }
         entries = [entry_row(entry, self.book) for entry in self.library.entries()]
-        messages = [first, {"type": "rows", "rows": entries}, labels_message(self.book, None)]
+        messages = [
+            ready,
+            first,
+            {"type": "note", "event": "rows", "rows": entries},
+            labels_message(self.book, None),
+        ]
         messages.append(self.used_message())
         if self.graph is not None:
             messages.append(self.graph_message())
@@ -160,13 +181,14 @@ class Workbench:
 
     def used_message(self) -> Message:
         """The clips that the next graph is built without."""
-        return {"type": "used", "left_out": sorted(self.left_out)}
+        return {"type": "note", "event": "used", "left_out": sorted(self.left_out)}
 
     def graph_message(self) -> Message:
         """The graph as a picture."""
         graph = self.need_graph()
         return {
-            "type": "graph",
+            "type": "note",
+            "event": "graph",
             "sentence": describe(graph.report),
             "notes": [str(note) for note in graph.report.get("notes", [])],
             **graph_picture(graph, self._built_with),
@@ -175,14 +197,20 @@ class Workbench:
     def map_message(self) -> Message:
         """The coverage as a map."""
         assert self.coverage is not None
-        return {"type": "map", **coverage_map(self.coverage)}
+        return {"type": "note", "event": "map", **coverage_map(self.coverage)}
 
     def _progress(self) -> None:
         now = time.monotonic()
         if not self._jobs or now - self._told_at < TELL_S:
             return
         name, job = next(iter(self._jobs.items()))
-        message: Message = {"type": "job", "job": name, "share": job.share, "text": job.text}
+        message: Message = {
+            "type": "note",
+            "event": "job",
+            "job": name,
+            "share": job.share,
+            "text": job.text,
+        }
         message["running"] = True
         if message != self._told:
             self._told, self._told_at = message, now

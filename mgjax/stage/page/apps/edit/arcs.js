@@ -1,11 +1,11 @@
 /** Where the parts of the picture of a graph lie, in pixels of the whole picture. */
 
-export const ROW = 34;
-export const BAR = 12;
+export const ROW = 27;
+export const BAR = 11;
 /** Width of the names at the left. */
 export const NAMES = 132;
 const TOP = 26;
-const STEPS = 14;
+const STEPS = 20;
 
 /** The height of the whole picture. */
 export const heightOf = (clips) => TOP + clips.length * ROW + 8;

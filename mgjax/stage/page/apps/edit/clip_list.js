@@ -109,7 +109,7 @@ export function createClipList(parent, { onPick, onUse }) {
 }
 
 function summary({ frames, rate, lines, problem }) {
-  const seconds = `${(frames / rate).toFixed(1)} s at ${Number(rate.toFixed(2))} fps`;
+  const seconds = `${(frames / rate).toFixed(1)} s`;
   const odd = lines.length > 1 ? ` · ${lines.length - 1} ${lines.length > 2 ? 'oddities' : 'oddity'}` : '';
   return problem ? `${seconds} · labels overlap` : seconds + odd;
 }

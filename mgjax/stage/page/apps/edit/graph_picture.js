@@ -39,6 +39,8 @@ export function createGraphPicture(parent, calls) {
     space.style.height = `${heightOf(graph.clips)}px`;
     const { transitions: t } = graph;
     state.shown = drawn(t, state.clip, state.most);
+    [state.near, state.far] = state.shown.length
+      ? [t.distance[state.shown[0]], t.distance[state.shown.at(-1)]] : [0, 0];
     state.curves = new Map(state.shown.map((n) => [n, curve({
       fromClip: t.from_clip[n], fromX: xOf(t.from_frame[n]), toClip: t.to_clip[n], toX: xOf(t.to_frame[n]),
     })]));
@@ -161,9 +163,7 @@ export function createGraphPicture(parent, calls) {
   const picture = {
     element: scroll,
     setGraph(graph) {
-      const { distance } = graph.transitions;
-      const [near, far] = distance.reduce(([a, b], d) => [Math.min(a, d), Math.max(b, d)], [Infinity, 0]);
-      Object.assign(state, { graph, near, far, chosen: null, over: null });
+      Object.assign(state, { graph, chosen: null, over: null });
       empty.hidden = true;
       space.hidden = false;
       layOut();
@@ -172,11 +172,12 @@ export function createGraphPicture(parent, calls) {
     setClip(name) {
       const found = state.graph?.clips.findIndex((clip) => clip.name === name || clip.name.startsWith(`${name}#`));
       state.clip = name === null || found === undefined || found < 0 ? null : found;
-      if (state.clip !== null) {
-        const y = rowY(state.clip);
-        if (y < scroll.scrollTop + 40 || y > scroll.scrollTop + scroll.clientHeight - 20) scroll.scrollTop = y - scroll.clientHeight / 2;
-      }
       layOut();
+      if (state.clip === null) return;
+      const y = rowY(state.clip);
+      if (y < scroll.scrollTop + 40 || y > scroll.scrollTop + scroll.clientHeight - 20) {
+        scroll.scrollTop = y - scroll.clientHeight / 2;
+      }
     },
     setMost(most) {
       state.most = most;
@@ -191,7 +192,8 @@ export function createGraphPicture(parent, calls) {
     get counts() {
       return { shown: state.shown.length, all: state.graph?.transitions.edge.length ?? 0 };
     },
-    get range() { return state.graph ? [state.near, state.far] : null; },
+    /** Distances of the nearest and the farthest that is drawn, m. */
+    get range() { return [state.near, state.far]; },
     zoom(factor, clientX = scroll.getBoundingClientRect().left + scroll.clientWidth / 2) {
       if (!state.graph) return;
       const offset = clientX - scroll.getBoundingClientRect().left;

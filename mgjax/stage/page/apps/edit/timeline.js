@@ -5,6 +5,7 @@ import { kindColour, labelWords, themed } from './colours.js';
 import { dragged, framesOf, markStep, room } from './spans.js';
 
 const LEAST_DRAG = 4;
+const LEAST_FOR_WORDS = 44;
 const MOST_PER_SECOND = 900;
 
 /**
@@ -63,7 +64,9 @@ export function createTimeline(parent, calls) {
 
   function place(made, { start, stop }) {
     made.style.left = `${xOf(start)}px`;
-    made.style.width = `${Math.max(3, xOf(stop) - xOf(start))}px`;
+    const wide = Math.max(3, xOf(stop) - xOf(start));
+    made.style.width = `${wide}px`;
+    made.classList.toggle('ed-narrow', wide < LEAST_FOR_WORDS);
   }
 
   function labelElement(label) {
