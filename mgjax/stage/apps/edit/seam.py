@@ -128,11 +128,6 @@ def _jerks(
 ) -> tuple[float, float]:
     """Peaks over a transition and two frames on both sides, and of the clips over the same."""
 
-    def peak(places: Float[np.ndarray, "F J 3"]) -> float:
-        acceleration = np.diff(places.astype(np.float64), n=2, axis=0) * graph.frame_rate**2
-        jerk = np.linalg.norm(np.diff(acceleration, axis=0), axis=-1) * graph.frame_rate
-        return float(jerk.max()) if jerk.size else 0.0
-
     root, rotations = np.asarray(motion.root_translation), np.asarray(motion.local_rotations)
     here = np.asarray(forward(graph.skeleton, root, rotations)[0])
     own = []
@@ -140,5 +135,12 @@ def _jerks(
         clip = int(np.searchsorted(graph.clip_starts, frame, side="right")) - 1
         start = max(frame - 2, int(graph.clip_starts[clip]))
         stop = min(frame + graph.window + 3, int(graph.clip_stops[clip]))
-        own.append(peak(graph.positions[start:stop]))
-    return peak(here[max(at[0] - 2, 0) : at[1] + 3]), max(own)
+        own.append(peak_jerk(graph.positions[start:stop], graph.frame_rate))
+    around = here[max(at[0] - 2, 0) : at[1] + 3]
+    return peak_jerk(around, graph.frame_rate), max(own)
+
+
+def peak_jerk(places: Float[np.ndarray, "F J 3"], rate: float) -> float:
+    """The largest jerk of a joint, by differences from frame to frame, m/s³; 0 below 4 frames."""
+    jerk = np.diff(places.astype(np.float64), n=3, axis=0) * rate**3
+    return float(np.linalg.norm(jerk, axis=-1).max()) if len(jerk) else 0.0
