@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -110,7 +113,8 @@ def served() -> Iterator[Served]:
 @pytest.fixture
 def open_page(chromium: Any, served: Served) -> Iterator[Callable[..., Any]]:
     """Opens addresses in new tabs; an error in any of them fails the test at its end."""
-    context = chromium.new_context(viewport=SIZE)
+    # What a test waits for is evaluated; one test goes without, so that the policy is tried.
+    context = chromium.new_context(viewport=SIZE, bypass_csp=True)
     troubles: list[str] = []
 
     def hear(said: Any) -> None:
@@ -135,6 +139,49 @@ def open_page(chromium: Any, served: Served) -> Iterator[Callable[..., Any]]:
             page.evaluate("0")
     context.close()
     assert not troubles, "; ".join(troubles)
+
+
+@pytest.fixture(scope="module")
+def view() -> Iterator[Callable[..., str]]:
+    """Starts ``mgjax view`` with some arguments and gives its address.
+
+    At the end it is interrupted, and has to end well with nothing in its log.
+    """
+    running: list[subprocess.Popen[str]] = []
+
+    def start(*arguments: object) -> str:
+        command = [sys.executable, "-m", "mgjax", "view", *map(str, arguments)]
+        process = subprocess.Popen(
+            [*command, "--port", "0", "--no-browser"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        running.append(process)
+        assert process.stdout is not None
+        address = process.stdout.readline().strip()
+        assert address.startswith("http://127.0.0.1:"), process.communicate()[1]
+        return address
+
+    yield start
+    logs: list[str] = []
+    for process in running:
+        process.send_signal(signal.SIGINT)
+        logs.append(process.communicate(timeout=60)[1])
+    assert [process.returncode for process in running] == [0] * len(running)
+    assert not any(logs), logs
+
+
+@pytest.fixture
+def open_app(open_page: Callable[..., Any]) -> Callable[[str], Any]:
+    """Opens the page of an application, and waits until it can be used."""
+
+    def open_one(address: str) -> Any:
+        page = open_page(address)
+        page.wait_for_function("document.documentElement.dataset.ready", timeout=180_000)
+        return page
+
+    return open_one
 
 
 BENCH = b"""<!doctype html><html lang="en"><head><meta charset="utf-8"><title>bench</title>
