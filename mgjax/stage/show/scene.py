@@ -42,9 +42,9 @@ def scene_show(scene: Scene, *, title: str = "Passing a ball") -> Show:
         spans=pass_spans(report),
         notes=scene_notes(report),
         moments=[
-            (f"{event.what} {event.who}".strip(), float(event.time))
+            (f"{event.who} misses", float(event.time))
             for event in scene.ball.events
-            if event.what in ("throw", "hit", "miss")
+            if event.what == "miss"
         ],
     )
 

@@ -32,9 +32,9 @@ def selection_show(
         captured = part_moments(graph, selection.walk, selection.path_length, selection.part)
         first, _, last = (float(t) for t in selection.timing.when(captured))
         spans.append(Span(row="avoidance", start=first, end=last, text=kind, colour="green"))
-        moments.append((f"{kind} begins", first))
+        moments.append(("begins", first))
     if selection.crop is not None:
-        moments.append(("the ball passes", selection.crop.middle))
+        moments.append(("ball passes", selection.crop.middle))
     seconds = (selection.motion.num_frames - 1) / selection.motion.frame_rate
     energy = selection.energy
     return Show(

@@ -30,9 +30,9 @@ def avoid_folder(path: Path, result: dict[str, Any]) -> Show:
         kind = kind_of(result["part"])
         first, last = float(result["part"]["start_s"]), float(result["part"]["end_s"])
         spans.append(Span(row="avoidance", start=first, end=last, text=kind, colour="green"))
-        moments.append((f"{kind} begins", first))
+        moments.append(("begins", first))
     if result["attack"] is not None:
-        moments.append(("the ball passes", float(result["attack"]["t_attack"])))
+        moments.append(("ball passes", float(result["attack"]["t_attack"])))
     return Show(
         title="A throw",
         words=result_words(result),

@@ -45,9 +45,9 @@ def scene_folder(path: Path, report: dict[str, Any]) -> Show:
         spans=pass_spans(report),
         notes=scene_notes(report),
         moments=[
-            (f"{event['event']} {event['player']}".strip(), float(event["t"]))
+            (f"{event['player']} misses", float(event["t"]))
             for event in report["events"]
-            if event["event"] in ("throw", "hit", "miss")
+            if event["event"] == "miss"
         ],
     )
 
