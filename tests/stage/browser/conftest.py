@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -111,7 +114,8 @@ def served() -> Iterator[Served]:
 @contextmanager
 def _tabs(chromium: Any) -> Iterator[Callable[..., Any]]:
     """Opens addresses in new tabs; an error in any of them fails at the end."""
-    context = chromium.new_context(viewport=SIZE)
+    # What a test waits for is evaluated; one test goes without, so that the policy is tried.
+    context = chromium.new_context(viewport=SIZE, bypass_csp=True)
     troubles: list[str] = []
 
     def hear(said: Any) -> None:
@@ -132,7 +136,8 @@ def _tabs(chromium: Any) -> Iterator[Callable[..., Any]]:
 
     yield open_one
     for page in context.pages:
-        page.evaluate("0")
+        if not page.is_closed():
+            page.evaluate("0")
     context.close()
     assert not troubles, "; ".join(troubles)
 
@@ -142,6 +147,49 @@ def open_page(chromium: Any) -> Iterator[Callable[..., Any]]:
     """Opens addresses in new tabs; an error in any of them fails the test at its end."""
     with _tabs(chromium) as open_one:
         yield open_one
+
+
+@pytest.fixture(scope="module")
+def view() -> Iterator[Callable[..., str]]:
+    """Starts ``mgjax view`` with some arguments and gives its address.
+
+    At the end it is interrupted, and has to end well with nothing in its log.
+    """
+    running: list[subprocess.Popen[str]] = []
+
+    def start(*arguments: object) -> str:
+        command = [sys.executable, "-m", "mgjax", "view", *map(str, arguments)]
+        process = subprocess.Popen(
+            [*command, "--port", "0", "--no-browser"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        running.append(process)
+        assert process.stdout is not None
+        address = process.stdout.readline().strip()
+        assert address.startswith("http://127.0.0.1:"), process.communicate()[1]
+        return address
+
+    yield start
+    logs: list[str] = []
+    for process in running:
+        process.send_signal(signal.SIGINT)
+        logs.append(process.communicate(timeout=60)[1])
+    assert [process.returncode for process in running] == [0] * len(running)
+    assert not any(logs), logs
+
+
+@pytest.fixture
+def open_app(open_page: Callable[..., Any]) -> Callable[[str], Any]:
+    """Opens the page of an application, and waits until it can be used."""
+
+    def open_one(address: str) -> Any:
+        page = open_page(address)
+        page.wait_for_function("document.documentElement.dataset.ready", timeout=180_000)
+        return page
+
+    return open_one
 
 
 BENCH = b"""<!doctype html><html lang="en"><head><meta charset="utf-8"><title>bench</title>
