@@ -111,5 +111,5 @@ export function createClipList(parent, { onPick, onUse }) {
 function summary({ frames, rate, lines, problem }) {
   const seconds = `${(frames / rate).toFixed(1)} s`;
   const odd = lines.length > 1 ? ` · ${lines.length - 1} ${lines.length > 2 ? 'oddities' : 'oddity'}` : '';
-  return problem ? `${seconds} · labels overlap` : seconds + odd;
+  return problem ? `${seconds} · labels do not fit` : seconds + odd;
 }
