@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.ballsport.ball.physics import Net
-from mgjax.ballsport.scene.config import Player, SceneConfig
+from mgjax.ballsport.scene.config import Pass, Player, SceneConfig
 from mgjax.stage.show.types import Colour, Thing
 
 COUNTS = (3, 6)
@@ -32,7 +32,8 @@ def pitch(count: int, *, net: bool, clips: str = "") -> SceneConfig:
         net: whether there is one: a ball that crosses it does so above its edge.
         clips: folder with captured kicks; "": the embedded ones alone.
     """
-    config = SceneConfig(clips=clips, end_s=1.2)
+    first = Pass(by=_SIX[0], to=_SIX[1])  # a scene has one; in a match others are asked for
+    config = SceneConfig(clips=clips, end_s=1.2, passes=(first,))
     if count == 3:
         players = tuple(Player(name=name, x=x, z=z) for name, x, z in _THREE)
         return replace(config, players=players, net=Net(z=0.4, height=_NET_M) if net else None)
