@@ -72,7 +72,7 @@ class Beside:
 
     def say(self, text: str, tone: str) -> None:
         """A sentence of the user's part of the panel."""
-        self._send({"type": "user", "text": text, "tone": tone})
+        self._send({"type": "note", "what": "user", "text": text, "tone": tone})
 
     def say_kick(self, kick: PassDecision, now_s: float, holder: str) -> None:
         """A kick was matched: its stored hit is played beside the user's body."""

@@ -14,7 +14,7 @@ from mgjax.stage.apps.match.pitch import colours, net_thing
 from mgjax.stage.apps.match.wishes import Wishes
 from mgjax.stage.show.body import body_of
 from mgjax.stage.show.frames import frames_of
-from mgjax.stage.show.types import Actor, Ball, Show, Span, Thing
+from mgjax.stage.show.types import Actor, Ball, Show, Span
 
 AHEAD_S = 0.5
 """How much longer than what is played the match is certain."""
@@ -78,6 +78,7 @@ class Game:
             seconds=self.known_s,
             bodies=[body_of(self.moves.clips.skeleton)],
             actors=self.actors(part),
+            balls=self.balls(),
             things=[] if net is None else [net],
         )
 
@@ -116,15 +117,6 @@ class Game:
                 )
             )
         return balls
-
-    def rings(self) -> dict[str, Thing]:
-        """The ring around each player."""
-        return {
-            p.name: Thing(
-                id="receiver", shape="ring", place=(p.x, 0.0, p.z), radius=0.55, colour="orange"
-            )
-            for p in self.config.players
-        }
 
     def rows(self) -> list[Span]:
         """The timeline of what can be looked at."""

@@ -24,6 +24,7 @@ from mgjax.stage.show.types import show_value
 
 _LONGEST_S = 24 * 3600.0
 _MOST_GAMES = 2**31
+_MOST_TOLD = 40
 
 
 class MatchSession:
@@ -95,18 +96,20 @@ class MatchSession:
         self._number, self._time = self._number + 1, 0.0
         part = self._game.play(0.0)
         assert part is not None
-        self._send(
-            {
-                "type": "match",
-                "game": self._number,
-                "players": [{"name": p.name, "x": p.x, "z": p.z} for p in self._config.players],
-                "net": self._config.net is not None,
-                "clips": list(self._clips),
-                "files": list(FILES),
-                "show": show_value(self._game.opening(part)),
-            }
+        opening = self._game.opening(part)
+        self._shown = [ball.id for ball in opening.balls]
+        self._send({"type": "show", "show": show_value(opening)})
+        self._note(
+            "match",
+            game=self._number,
+            players=[{"name": p.name, "x": p.x, "z": p.z} for p in self._config.players],
+            net=self._config.net is not None,
+            clips=list(self._clips),
         )
         self._tell()
+
+    def _note(self, what: str, **values: Any) -> None:
+        self._send({"type": "note", "what": what, **values})
 
     def _clock(self, message: Message) -> None:
         """The page plays a second."""
@@ -125,43 +128,39 @@ class MatchSession:
         for actor in self._game.actors(part):
             frames = show_value(actor.frames)
             self._send({"type": "frames", "actor": actor.id, "frames": frames})
-        self._tell()
-
-    def _tell(self) -> None:
-        """What is known by now: balls, passes, rows of the timeline, figures."""
-        game = self._game
-        balls = game.balls()
+        balls = self._game.balls()
         for gone in set(self._shown) - {ball.id for ball in balls}:
             self._send({"type": "remove", "kind": "balls", "id": gone})
         for ball in balls:
             self._send({"type": "put", "kind": "balls", "item": show_value(ball)})
         self._shown = [ball.id for ball in balls]
-        self._send(
-            {
-                "type": "played",
-                "game": self._number,
-                "known": game.known_s,
-                "passes": [as_message(p) for p in game.passes[-40:]],
-                "bounces": [list(bounce) for bounce in game.bounces()],
-                "spans": [show_value(span) for span in game.rows()],
-                "table": [list(row) for row in game.table()],
-            }
+        self._tell()
+
+    def _tell(self) -> None:
+        """What is known by now: passes, rows of the timeline, figures."""
+        game = self._game
+        self._note(
+            "played",
+            game=self._number,
+            known=game.known_s,
+            passes=[as_message(p) for p in game.passes[-_MOST_TOLD:]],
+            bounces=[list(bounce) for bounce in game.bounces()],
+            spans=[show_value(span) for span in game.rows()],
+            table=[list(row) for row in game.table()],
         )
         self._tell_wishes()
 
     def _tell_wishes(self) -> None:
         """Who has the ball next, and what will be done with it."""
         wishes, scene = self._wishes, self._game.scene
-        self._send(
-            {
-                "type": "wishes",
-                "holder": scene.holder,
-                "waits": scene.waits and not (wishes.on or wishes.picked or wishes.kicked),
-                "picked": list(wishes.picked),
-                "on": wishes.on,
-                "kind": wishes.kind,
-                "bounces": wishes.bounces,
-            }
+        self._note(
+            "wishes",
+            holder=scene.holder,
+            waits=scene.waits and not (wishes.on or wishes.picked or wishes.kicked),
+            picked=list(wishes.picked),
+            on=wishes.on,
+            kind=wishes.kind,
+            bounces=wishes.bounces,
         )
 
     def _pick(self, message: Message) -> None:
