@@ -89,6 +89,11 @@ class OpenScene:
         self.events: list[BallEvent] = []
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Of the players."""
+        return tuple(player.name for player in self._config.players)
+
+    @property
     def certain(self) -> int:
         """Frames from the beginning that do not change any more."""
         return max(len(self._ball) - self._reach, 0)

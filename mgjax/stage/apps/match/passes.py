@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -68,8 +69,8 @@ class PassMade:
         bounces = bounces if self.bounces < 2 else f"{self.bounces} bounces"
         if self.status:
             return f"{ends}, {bounces}: missed, {self.status}, {self.miss_m:.2f} m off"
-        parts = [ends, bounces, f"arrives within {1000 * self.arrival_m:.2f} mm"]
-        parts.append(f"warp {100 * self.warp:+.1f} %")
+        parts = [ends, bounces, f"arrives within {_millimetres(self.arrival_m)}"]
+        parts.append(_warp_words(self.warp))
         if self.net_m is not None:
             parts.append(f"{self.net_m:.2f} m over the net")
         if self.by_user:
@@ -125,7 +126,7 @@ def figures(passes: Sequence[PassMade]) -> list[tuple[str, str]]:
     changes = [p.change for p in made]
     return [
         *rows,
-        ("arrives within", f"{1000 * max(p.arrival_m for p in made):.2f} mm"),
+        ("arrives within", _millimetres(max(p.arrival_m for p in made))),
         ("largest warp", f"{100 * warp:+.1f} %"),
         ("kick changed by", f"{100 * np.mean(changes):.0f} %, most {100 * max(changes):.0f} %"),
         ("ball speed", f"up to {max(p.speed_m_s for p in made):.1f} m/s"),
@@ -136,8 +137,11 @@ def spans(
     scene: OpenScene, moves: Repertoire, passes: Sequence[PassMade], since_s: float
 ) -> list[Span]:
     """Rows of the timeline: the ball with its passes, and each player with links and hits."""
-    rate, clips = scene.rate, moves.clips
-    rows = [
+    return [*_ball_row(passes, since_s), *_player_rows(scene, moves, since_s)]
+
+
+def _ball_row(passes: Sequence[PassMade], since_s: float) -> list[Span]:
+    return [
         Span(
             row="ball",
             start=p.start_s,
@@ -148,6 +152,11 @@ def spans(
         for p in passes
         if p.stop_s > since_s
     ]
+
+
+def _player_rows(scene: OpenScene, moves: Repertoire, since_s: float) -> list[Span]:
+    rate, clips = scene.rate, moves.clips
+    rows: list[Span] = []
     launches = {flight.stop: flight.start for flight in scene.flights}
     for touch in reversed(scene.touches):
         if touch.time / rate < since_s:
@@ -157,7 +166,7 @@ def spans(
         stop = touch.time + int(clips.hit_stops[hit]) - touch.kick.frame
         warp = touch.warp - 1
         begin = launches.get(touch.time, first)
-        text = f"link, warp {100 * warp:+.1f} %"
+        text = f"link, {_warp_words(warp)}"
         colour: Colour = "yellow" if abs(warp) >= _NOTABLE_WARP else "grey"
         if begin < first:
             rows.append(
@@ -175,7 +184,17 @@ def spans(
                 colour=COLOURS[kind],
             )
         )
-    return rows
+    order = list(scene.names)
+    return sorted(rows, key=lambda span: (order.index(span.row), span.start))
+
+
+def _millimetres(distance: float) -> str:
+    """Rounded up to hundredths."""
+    return f"{max(math.ceil(1e5 * distance), 1) / 100:.2f} mm"
+
+
+def _warp_words(warp: float) -> str:
+    return f"warp {100 * warp:+.1f} %" if abs(warp) >= 5e-4 else "no warp"
 
 
 def _short(p: PassMade) -> str:

@@ -60,6 +60,7 @@ class MatchSession:
         self._shown: list[str] = []
         self._config = pitch(COUNTS[0], net=True, clips=folder)
         self._on, self._kind, self._bounces = True, "any", "any"
+        send({"type": "ready", "app": "match", "title": "Match", "options": {}})
         self._begin()
 
     def receive(self, message: Message) -> None:

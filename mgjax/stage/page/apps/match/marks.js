@@ -4,6 +4,8 @@ const RING = 0.55;
 const BOUNCE = 0.13;
 const MOST_BOUNCES = 4;
 const GAP = 0.65;
+/** Arrows keep to one side, so that there and back stay apart, m. */
+const ASIDE = 0.12;
 
 /** Marks on a stage. */
 export function createMarks(stage) {
@@ -18,8 +20,8 @@ export function createMarks(stage) {
     const [dx, dz] = [to.x - from.x, to.z - from.z];
     const far = Math.hypot(dx, dz);
     if (far <= 2 * GAP) return;
-    const at = (way) => [from.x + (dx * way) / far, 0, from.z + (dz * way) / far];
     const [sx, sz] = [dx / far, dz / far];
+    const at = (way) => [from.x + sx * way - sz * ASIDE, 0, from.z + sz * way + sx * ASIDE];
     const [hx, , hz] = at(far - GAP);
     const wing = (side) => [hx - 0.22 * sx + side * 0.13 * sz, 0, hz - 0.22 * sz - side * 0.13 * sx];
     const line = (name, places, dash) => {
