@@ -20,7 +20,7 @@ from mgjax.stage.show.types import Colour, Span
 
 COLOURS: dict[str, Colour] = {"toss": "sky", "pass": "green", "attack": "orange", "throw": "grey"}
 """Of hits by their kind."""
-_NOTABLE_WARP = 0.02
+_SEEN_WARP, _NOTABLE_WARP = 5e-4, 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,7 +166,7 @@ def _player_rows(scene: OpenScene, moves: Repertoire, since_s: float) -> list[Sp
         stop = touch.time + int(clips.hit_stops[hit]) - touch.kick.frame
         warp = touch.warp - 1
         begin = launches.get(touch.time, first)
-        text = f"link, {_warp_words(warp)}"
+        text = f"{100 * warp:+.1f} %" if abs(warp) >= _SEEN_WARP else "link"
         colour: Colour = "yellow" if abs(warp) >= _NOTABLE_WARP else "grey"
         if begin < first:
             rows.append(
@@ -194,7 +194,7 @@ def _millimetres(distance: float) -> str:
 
 
 def _warp_words(warp: float) -> str:
-    return f"warp {100 * warp:+.1f} %" if abs(warp) >= 5e-4 else "no warp"
+    return f"warp {100 * warp:+.1f} %" if abs(warp) >= _SEEN_WARP else "no warp"
 
 
 def _short(p: PassMade) -> str:

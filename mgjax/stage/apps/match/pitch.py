@@ -19,8 +19,9 @@ _SIX = ("Ana", "Ben", "Cem", "Dia", "Eli", "Fay")
 _NET_M = 1.0
 _WIDE_M = {3: 3.2, 6: 3.9}
 """Half the length of the net."""
-_BESIDE_M = 1.9
+_BESIDE_M = 1.7
 """From the outermost player to where the user's body stands."""
+_USER_Z_M, _MATCHED_Z_M = 2.0, 3.8
 _COLOURS: tuple[Colour, ...] = ("blue", "green", "purple", "sky", "yellow", "red")
 
 
@@ -102,8 +103,8 @@ def over_net(net: Net, path: Float[np.ndarray, "F 3"], radius: float) -> float |
 def beside(config: SceneConfig) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
     """Planar frames beside the pitch, facing it: of the user, and of the hit that was matched."""
     x = min(p.x for p in config.players) - _BESIDE_M
-    middle = sum(p.z for p in config.players) / len(config.players)
-    return (
-        np.array([math.pi / 2, x, middle + 0.8]),
-        np.array([math.pi / 2, x, middle - 0.8]),
-    )
+
+    def spot(z: float) -> Float[np.ndarray, "3"]:
+        return np.array([math.atan2(-x, -z), x, z])
+
+    return spot(_USER_Z_M), spot(_MATCHED_Z_M)

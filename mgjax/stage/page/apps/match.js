@@ -52,8 +52,21 @@ export function start({ stage, player, ui, side, link }) {
     },
     user: ({ text, tone }) => panel.user(text, tone),
   };
+  link.on('put', ({ kind, item }) => {
+    if (kind === 'actors' && item.id === 'user') wholeInView();
+  });
   link.on('note', (message) => told[message.what]?.(message));
   link.on('sentence', ({ text, tone }) => panel.trouble(text, tone));
+
+  /** The camera goes back where the user's body would be out of the picture. */
+  function wholeInView() {
+    const { low } = stage.scene.actors.get('user').pose;
+    const place = stage.project(low);
+    const { clientWidth, clientHeight } = stage.canvas;
+    const inside = place && place[0] > 60 && place[0] < clientWidth - 60
+      && place[1] > 80 && place[1] < clientHeight - 20;
+    if (!inside) stage.frameAll();
+  }
 
   /** What is marked and said at the second that is shown. */
   function now(always = false) {

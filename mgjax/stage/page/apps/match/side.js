@@ -19,7 +19,6 @@ const COUNTS = [{ value: 3, label: '3' }, { value: 6, label: '6' }];
 export function createSide(ui, side, { pick, send }) {
   const settings = { kind: 'any', bounces: 'any', on: true, players: 3, net: true };
   const happens = ui.sentence(side, 'now');
-  const last = ui.sentence(side, 'last-pass');
   const trouble = ui.sentence(side, 'trouble-here');
   trouble.set('');
 
@@ -46,6 +45,15 @@ export function createSide(ui, side, { pick, send }) {
     label: 'Take back the last click', name: 'unpick', onClick: () => send({ type: 'unpick' }),
   });
 
+  const far = ui.panel(side, 'So far');
+  const last = ui.sentence(far, 'last-pass');
+  last.set('');
+  const table = ui.table(far, 'figures');
+  ui.button(far, {
+    label: 'Save motion, ball, timeline', name: 'save-zip',
+    onClick: () => send({ type: 'export', what: 'zip' }),
+  });
+
   const you = ui.panel(side, 'You as a player');
   const said = ui.sentence(you, 'user');
   said.set('Your kick before a motion sensor, or a clip’s, decides how the next pass is made.');
@@ -65,14 +73,6 @@ export function createSide(ui, side, { pick, send }) {
     label: 'Net', value: true, onChange: (value) => { settings.net = value; again(); },
   });
   ui.button(pitch, { label: 'Begin again', name: 'reset', onClick: again });
-
-  const far = ui.panel(side, 'So far');
-  const table = ui.table(far, 'figures');
-  const save = ui.row(far);
-  ui.button(save, {
-    label: 'Save motion, ball, timeline', name: 'save-zip',
-    onClick: () => send({ type: 'export', what: 'zip' }),
-  });
 
   return {
     /** A new match. */
@@ -103,7 +103,7 @@ export function createSide(ui, side, { pick, send }) {
     now(state, game) {
       const { text, tone } = nowWords(state, game);
       happens.set(text, tone);
-      last.set(state.last ? `Before: ${state.last.words}.` : '', state.last?.tone);
+      last.set(state.last ? `${capital(state.last.words)}.` : '', state.last?.tone);
     },
   };
 
