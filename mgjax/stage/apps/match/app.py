@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 
 from mgjax.ballsport.clipset.repertoire import Repertoire
@@ -17,6 +15,7 @@ from mgjax.stage.apps.match.game import Game
 from mgjax.stage.apps.match.pitch import pitch
 from mgjax.stage.apps.match.session import MatchSession
 from mgjax.stage.apps.match.wishes import Wishes
+from mgjax.stage.serve.options import Options
 from mgjax.stage.serve.session import Progress, Send
 from mgjax.stage.show.body import body_of
 
@@ -26,15 +25,6 @@ _REHEARSED_S = 25.0
 _MOST_CLIPS = 60
 _OTHER_SEED = 5
 """Clips that are played as the user are others than the stored ones."""
-
-
-class ClipOptions(Protocol):
-    """What of the options is looked at."""
-
-    @property
-    def clips(self) -> object | None:
-        """Folder with captured kicks, or None."""
-        ...
 
 
 class MatchApp:
@@ -51,7 +41,7 @@ class MatchApp:
         progress(0.02, "reading the kicks")
         config = pitch(_PITCHES[0][0], net=True, clips=self._folder)
         moves = prepare_scene(config)
-        self._clips = _clips_of_user(self._folder)
+        self._clips = clips_of_user(self._folder)
         progress(0.25, "making the body")
         body_of(moves.clips.skeleton)
         for k, (count, net) in enumerate(_PITCHES):
@@ -71,7 +61,7 @@ class MatchApp:
         """Nothing is held."""
 
 
-def make_app(options: ClipOptions) -> MatchApp:
+def make_app(options: Options) -> MatchApp:
     """The application, on the embedded kicks and those of a folder, if there is one."""
     return MatchApp("" if options.clips is None else str(options.clips))
 
@@ -87,7 +77,7 @@ def _rehearse(config: SceneConfig, moves: Repertoire) -> None:
         time = game.known_s
 
 
-def _clips_of_user(folder: str) -> dict[str, Clip]:
+def clips_of_user(folder: str) -> dict[str, Clip]:
     """Kicks that can be played as the user, by name."""
     made, _ = synthetic_kicks(seed=_OTHER_SEED, takes=1)
     clips = [clip for clip in made if clip.name.startswith("kick")]

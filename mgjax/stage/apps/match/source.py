@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
@@ -17,6 +17,7 @@ REPLAY_RATE = 60.0
 """Frames a second of a clip that is sent."""
 
 
+@runtime_checkable
 class Source(Protocol):
     """Gives a body's frames as they come."""
 
