@@ -1,4 +1,4 @@
-"""The match so far as files: what ``mgjax scene`` writes, in one archive."""
+"""The match so far as files: what ``mgjax scene`` writes, in one archive, or a page to play it."""
 
 from __future__ import annotations
 
@@ -6,14 +6,20 @@ import io
 import json
 import tempfile
 import zipfile
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from mgjax.ballsport.scene.ball_track import csv_text
 from mgjax.ballsport.scene.report import scene_json
 from mgjax.io.bvh.write import save_bvh
 from mgjax.stage.apps.match.game import Game
+from mgjax.stage.apps.match.passes import PassMade
+from mgjax.stage.html import page_html
+from mgjax.stage.show.frames import frames_of
+from mgjax.stage.show.types import Show
 
-FILES = ("zip",)
+FILES = ("zip", "html")
 """What can be saved."""
 
 
@@ -23,7 +29,35 @@ def exported(game: Game, kind: str) -> tuple[str, str, bytes]:
     Raises:
         ConfigError: nothing has been played yet.
     """
+    if kind == "html":
+        return "match.html", "text/html", page_html(match_show(game)).encode()
     return "match.zip", "application/zip", _archive(game)
+
+
+def match_show(game: Game) -> Show:
+    """All that has been played.
+
+    Raises:
+        ConfigError: nothing has been played yet.
+    """
+    scene, opening = game.scene.scene(), game.opening(game.scene.part(0, 1))
+    actors = [replace(actor, frames=frames_of(scene.motions[actor.id])) for actor in opening.actors]
+    return replace(
+        opening,
+        seconds=(len(scene.ball.places) - 1) / scene.frame_rate,
+        words=words_of(game.passes),
+        actors=actors,
+        balls=game.balls(whole=True),
+        spans=game.rows(whole=True),
+        notes=game.table(),
+    )
+
+
+def words_of(passes: Sequence[PassMade]) -> str:
+    """A sentence on all passes."""
+    real = [p for p in passes if p.by and p.to]
+    missed = sum(bool(p.status) for p in real)
+    return f"{len(real)} passes, {missed} of them missed"
 
 
 def _archive(game: Game) -> bytes:

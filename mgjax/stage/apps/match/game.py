@@ -97,15 +97,17 @@ class Game:
             for name, motion in part.motions.items()
         ]
 
-    def balls(self) -> list[Ball]:
-        """The ball of this throw and the one before, as far as it is kept."""
+    def balls(self, *, whole: bool = False) -> list[Ball]:
+        """The ball of this throw and the one before, as far as it is kept; or of all throws."""
         scene, rate = self.scene, self.scene.rate
-        throws = [(n, f) for n, f in enumerate(scene.flights) if not scene.ends[n][0]][-2:]
+        throws = [(n, f) for n, f in enumerate(scene.flights) if not scene.ends[n][0]]
+        throws = throws if whole else throws[-2:]
         balls: list[Ball] = []
         for k, (number, flight) in enumerate(throws):
             last = k + 1 == len(throws)
             stop = len(scene.ball) if last else throws[k + 1][1].start
-            first = max(flight.start, len(scene.ball) - round(KEPT_S * rate))
+            kept = 0 if whole else len(scene.ball) - round(KEPT_S * rate)
+            first = max(flight.start, kept)
             if stop - first < 2:
                 continue
             balls.append(
@@ -118,9 +120,9 @@ class Game:
             )
         return balls
 
-    def rows(self) -> list[Span]:
-        """The timeline of what can be looked at."""
-        since = max(0.0, self.known_s - KEPT_S)
+    def rows(self, *, whole: bool = False) -> list[Span]:
+        """The timeline of what can be looked at, or of everything."""
+        since = 0.0 if whole else max(0.0, self.known_s - KEPT_S)
         return spans(self.scene, self.moves, self.passes, since)
 
     def bounces(self) -> list[tuple[float, float, float]]:

@@ -40,6 +40,9 @@ class MatchSession:
         folder: of captured kicks; "": none.
         seed: draws what nobody said.
         open_sensor: opens the motion sensor.
+
+    Attributes:
+        game: that is being played.
     """
 
     def __init__(
@@ -92,12 +95,12 @@ class MatchSession:
         self._wishes = Wishes(
             players=names, rng=self._rng, on=self._on, kind=self._kind, bounces=self._bounces
         )
-        self._game = Game(self._config, self._moves, self._wishes)
+        self.game = Game(self._config, self._moves, self._wishes)
         self._beside = Beside(self._moves, self._config, self._send)
         self._number, self._time = self._number + 1, 0.0
-        part = self._game.play(0.0)
+        part = self.game.play(0.0)
         assert part is not None
-        opening = self._game.opening(part)
+        opening = self.game.opening(part)
         self._shown = [ball.id for ball in opening.balls]
         self._send({"type": "show", "show": show_value(opening)})
         self._note(
@@ -118,18 +121,18 @@ class MatchSession:
         time = fields.number(message, "time", 0.0, _LONGEST_S)
         if number != self._number:
             return  # it has not heard yet of the newest match
-        self._time = min(time, self._game.known_s)
+        self._time = min(time, self.game.known_s)
         if self._beside.open:
             self._hear()
-        part = self._game.play(self._time)
+        part = self.game.play(self._time)
         if part is not None:
             self._send_part(part)
 
     def _send_part(self, part: ScenePart) -> None:
-        for actor in self._game.actors(part):
+        for actor in self.game.actors(part):
             frames = show_value(actor.frames)
             self._send({"type": "frames", "actor": actor.id, "frames": frames})
-        balls = self._game.balls()
+        balls = self.game.balls()
         for gone in set(self._shown) - {ball.id for ball in balls}:
             self._send({"type": "remove", "kind": "balls", "id": gone})
         for ball in balls:
@@ -139,7 +142,7 @@ class MatchSession:
 
     def _tell(self) -> None:
         """What is known by now: passes, rows of the timeline, figures."""
-        game = self._game
+        game = self.game
         self._note(
             "played",
             game=self._number,
@@ -153,7 +156,7 @@ class MatchSession:
 
     def _tell_wishes(self) -> None:
         """Who has the ball next, and what will be done with it."""
-        wishes, scene = self._wishes, self._game.scene
+        wishes, scene = self._wishes, self.game.scene
         self._note(
             "wishes",
             holder=scene.holder,
@@ -165,7 +168,7 @@ class MatchSession:
         )
 
     def _pick(self, message: Message) -> None:
-        self._wishes.pick(fields.text(message, "player"), self._game.scene.holder)
+        self._wishes.pick(fields.text(message, "player"), self.game.scene.holder)
         self._tell_wishes()
 
     def _unpick(self, message: Message) -> None:
@@ -209,12 +212,12 @@ class MatchSession:
     def _hear(self) -> None:
         """Takes what the user's body did; a kick decides the next pass."""
         for kick in self._beside.hear(self._time):
-            self._game.kicked(kick)
-            self._beside.say_kick(kick, self._time, self._game.scene.holder)
+            self.game.kicked(kick)
+            self._beside.say_kick(kick, self._time, self.game.scene.holder)
             self._tell_wishes()
 
     def _export(self, message: Message) -> None:
         kind = fields.text(message, "what", FILES)
-        name, mime, data = exported(self._game, kind)
+        name, mime, data = exported(self.game, kind)
         value: dict[str, Any] = {"type": "file", "name": name, "mime": mime}
         self._send({**value, "data": np.frombuffer(data, np.uint8)})

@@ -42,9 +42,7 @@ class UserBody:
         self.skeleton: Skeleton | None = None
         bones = tuple(dict.fromkeys(moves.clips.hit_bone))
         self._driver = LiveDriver(moves.clips, bones=bones)
-        self._times: list[float] = []
-        self._places: list[np.ndarray] = []
-        self._turns: list[np.ndarray] = []
+        self._poses: list[tuple[float, np.ndarray, np.ndarray]] = []
         self._shift = 0.0
         self._sent = -np.inf
 
@@ -67,24 +65,22 @@ class UserBody:
 
     def shown(self) -> Frames | None:
         """Poses that were not given before, at :data:`RATE`; None where they are too few."""
-        if len(self._times) < 2:
+        if len(self._poses) < 2:
             return None
-        first = max(self._sent + 1 / RATE, self._times[0])
-        count = int((self._times[-1] - first) * RATE + 1e-6) + 1
+        times, places, turns = zip(*self._poses, strict=True)
+        first = max(self._sent + 1 / RATE, times[0])
+        count = int((times[-1] - first) * RATE + 1e-6) + 1
         if count < _PIECE:
             return None
         grid = first + np.arange(count) / RATE
-        where = np.interp(grid, self._times, np.arange(len(self._times)))
+        where = np.interp(grid, times, np.arange(len(times)))
         motion = Motion(
-            root_translation=np.array(self._places, np.float32),
-            local_rotations=np.array(self._turns, np.float32),
+            root_translation=np.array(places, np.float32),
+            local_rotations=np.array(turns, np.float32),
             frame_rate=RATE,
         )
         self._sent = float(grid[-1])
-        kept = slice(-2, None)
-        self._times, self._places, self._turns = (
-            values[kept] for values in (self._times, self._places, self._turns)
-        )
+        self._poses = self._poses[-2:]
         return frames_of(sample(motion, where), start=first, rate=RATE, delta=False)
 
     def _keep(self, frame: SensorFrame, now_s: float) -> None:
@@ -94,20 +90,18 @@ class UserBody:
         if new or not now_s - _OFF_S < at < now_s + _DELAY_S + _OFF_S:
             self._shift = now_s + _DELAY_S - frame.time_s
             at = now_s + _DELAY_S
-            self._times, self._places, self._turns = [], [], []
+            self._poses = []
             self._sent = -np.inf
         if new:
             self.skeleton = frame.body
             here = np.asarray(planar_frames(frame.body, frame.positions[None]), np.float64)[0]
             self._moved = np.asarray(planar.compose(self._spot, planar.inverse(here)))
-        if self._times and at <= self._times[-1]:
+        if self._poses and at <= self._poses[-1][0]:
             return
         place, turn = planar.apply_pose(self._moved, frame.positions[0], frame.rotations[0])
         turns = np.asarray(frame.rotations).copy()
         turns[0] = np.asarray(turn)
-        self._times.append(at)
-        self._places.append(np.asarray(place))
-        self._turns.append(turns)
+        self._poses.append((at, np.asarray(place), turns))
 
 
 def matched_actor(

@@ -15,6 +15,7 @@ from mgjax.ballsport.scene.build import prepare_scene
 from mgjax.core.errors import ConfigError, MgjaxError
 from mgjax.sensor.frames import SensorFrame
 from mgjax.stage.apps.match.app import MatchApp, clips_of_user
+from mgjax.stage.apps.match.export import match_show
 from mgjax.stage.apps.match.pitch import pitch
 from mgjax.stage.apps.match.session import MatchSession
 from mgjax.stage.apps.match.source import ClipSource, SensorSource
@@ -180,6 +181,22 @@ def test_what_is_saved_is_what_scene_writes(page: PageOfMatch) -> None:
         pair for pair in page.passes if all(pair)
     ]
     assert archive.read("ball.csv").startswith(b"t,x,y,z,event\n")
+
+
+def test_a_saved_page_has_all_of_it(page: PageOfMatch) -> None:
+    page.play(5.0)
+    page.ask("export", what="html")
+    (file,) = page.of("file")
+    assert (file["name"], file["mime"]) == ("match.html", "text/html")
+    assert file["data"].tobytes().startswith(b"<!doctype html>")
+    show = match_show(page.session.game)
+    frames = {actor.id: actor.frames for actor in show.actors}
+    for name in ("Ana", "Ben", "Cem"):
+        assert len(frames[name].rotations) / frames[name].rate == pytest.approx(
+            show.seconds, abs=0.1
+        )
+    assert {span.row for span in show.spans} >= {"ball", "Ana"}
+    assert show.words.endswith("passes, 0 of them missed")
 
 
 class ByHand(SensorSource):

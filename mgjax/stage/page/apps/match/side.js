@@ -49,9 +49,14 @@ export function createSide(ui, side, { pick, send }) {
   const last = ui.sentence(far, 'last-pass');
   last.set('');
   const table = ui.table(far, 'figures');
-  ui.button(far, {
-    label: 'Save motion, ball, timeline', name: 'save-zip',
+  const save = ui.row(far);
+  ui.button(save, {
+    label: 'Save files', name: 'save-zip', title: 'BVH of each player, the ball’s path, the timeline',
     onClick: () => send({ type: 'export', what: 'zip' }),
+  });
+  ui.button(save, {
+    label: 'Save as a page', name: 'save-html', title: 'One file that plays in any browser',
+    onClick: () => send({ type: 'export', what: 'html' }),
   });
 
   const you = ui.panel(side, 'You as a player');
