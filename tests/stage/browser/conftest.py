@@ -35,6 +35,13 @@ ARGUMENTS = (
 SIZE = {"width": 640, "height": 400}
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """All tests of this folder need a browser."""
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker(pytest.mark.browser)
+
+
 def _absent(reason: str) -> None:
     if os.environ.get("MGJAX_REQUIRE_BROWSER") == "1":
         pytest.fail(f"MGJAX_REQUIRE_BROWSER=1, but {reason}")
