@@ -43,8 +43,8 @@ export function createQuality(level = 0) {
 
     /**
      * A frame that was drawn at `now` (ms).
-     * @param {boolean} running the frame before it asked for this one, so the time between the
-     *   two tells how long drawing takes
+     * @param {boolean} running the one before it was drawn, too, so the time between the two tells
+     *   how long drawing takes
      * @returns {boolean} whether the level has changed
      */
     frame(now, running) {
