@@ -51,7 +51,8 @@ class Answer:
         status: ``superseded``: a later attack came before this one's search had ended. Else by the
             exact check of what was really played: ``hit`` or ``avoided``.
         search: how the search ended: as :class:`mgjax.avoidance.choice.choosing.Choice` says, or
-            ``late``: not before the attack was over or a later one superseded it.
+            ``late``: not before the attack was over or a later one superseded it; ``committed``:
+            there was none, as the attack is over before what is being played can be left.
         hit: the exact check of what was played, also for superseded attacks.
         clearance_m: signed distance of attack and body over what was played since it was known.
         restarts: how often an edge ended before the search.
@@ -61,7 +62,7 @@ class Answer:
     number: int
     known: float
     status: Literal["avoided", "hit", "superseded"]
-    search: Status | Literal["late"]
+    search: Status | Literal["late", "committed"]
     hit: bool
     clearance_m: float
     restarts: int
@@ -75,7 +76,7 @@ class Thrown:
     number: int
     known: float
     attack: Attack
-    search: Status | Literal["late"] = "late"
+    search: Status | Literal["late", "committed"] = "late"
     superseded: bool = False
     restarts: int = 0
     waited: float | None = None

@@ -59,8 +59,9 @@ class Planner:
         searches: where searches run; default: simulated, without latency.
         config: settings of the search.
         seed: of the edges that are drawn, and of the first node.
-        node: where the body stands at 0 s; default: drawn.
+        node: where the body stands at the beginning; default: drawn.
         start: its planar frame in the world; default: at the origin, heading +Z.
+        begin: the beginning, s on the clock.
         on_found: told of every search that ends in time, from within :meth:`frame`,
             :meth:`advance` or :meth:`attack`.
     """
@@ -75,6 +76,7 @@ class Planner:
         seed: int = 0,
         node: int | None = None,
         start: Float[np.ndarray, "3"] | None = None,
+        begin: float = 0.0,
         on_found: Callable[[Found], None] | None = None,
     ) -> None:
         self._on_found = on_found
@@ -88,13 +90,13 @@ class Planner:
         first = int(self._rng.integers(graph.num_nodes)) if node is None else node
         if not 0 <= first < graph.num_nodes:
             raise ConfigError(f"got node {first}, expected 0 … {graph.num_nodes - 1}")
-        self.timeline = Timeline(graph, first, start)
+        self.timeline = Timeline(graph, first, start, begin)
         self.answers: list[Answer] = []
         self.attacks = 0
         self._plan: deque[tuple[int, float]] = deque()
         self._under_way: list[Thrown] = []
         self._pending: tuple[Thrown, Ticket, float] | None = None
-        self._advance(0.0)
+        self._advance(begin)
 
     def frame(self, when: float | None = None) -> Motion:
         """The pose at ``when`` seconds, default now, in the world, as a motion of one frame.
@@ -216,6 +218,8 @@ class Planner:
         self._pending = None
         line = self.timeline
         if thrown.attack.end <= line.end:
+            if thrown.asked is None:
+                thrown.search = "committed"
             return
         place = line.frame_at_end()
         others = [

@@ -16,3 +16,4 @@ from mgjax.cli.arguments.sensor import Sensor as Sensor
 from mgjax.cli.arguments.shared import KnownReading as KnownReading
 from mgjax.cli.arguments.shared import Output as Output
 from mgjax.cli.arguments.shared import Reading as Reading
+from mgjax.cli.arguments.view import View as View

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import sys
 import webbrowser
@@ -14,7 +15,7 @@ from mgjax.stage.serve.server import Server
 HOST, PORT = "127.0.0.1", 8765
 
 
-def view(options: Options, *, host: str = HOST, port: int = PORT, browser: bool = True) -> None:
+def view(options: Options, *, host: str = HOST, port: int = PORT, browser: bool = True, as_json: bool = False) -> None:
     """Serves an application, prints its address on one line, and opens it.
 
     Args:
@@ -22,6 +23,7 @@ def view(options: Options, *, host: str = HOST, port: int = PORT, browser: bool 
         host: address to listen on; anything but this machine's own is warned of.
         port: its port; 0 takes a free one.
         browser: opens the page, where there is a display.
+        as_json: prints the address as a JSON object.
 
     Raises:
         ConfigError: the port is taken, or the host is no address of this machine.
@@ -35,7 +37,7 @@ def view(options: Options, *, host: str = HOST, port: int = PORT, browser: bool 
         )
 
     def listening(address: str) -> None:
-        print(address, flush=True)
+        print(json.dumps({"address": address}) if as_json else address, flush=True)
         if browser and has_display():
             webbrowser.open(address)
 

@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
-
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 from mgjax.stage.show.body import body_of
 from mgjax.stage.show.frames import frames_of
+from mgjax.stage.show.standing import standing
 from mgjax.stage.show.types import Actor, Colour, Show
 
 
 def motion_show(
     skeleton: Skeleton, motion: Motion, *, title: str = "Motion", colour: Colour = "blue"
 ) -> Show:
-    """A body that plays a motion.
-
-    Bones that are not rigid are shown at the middle of where their joints are.
-    """
-    if motion.joint_offsets is not None:
-        middle = np.median(np.asarray(motion.joint_offsets, dtype=np.float32), axis=0)
-        skeleton = replace(skeleton, offsets=middle)
+    """A body that plays a motion."""
+    skeleton, motion = standing(skeleton, motion)
     actor = Actor(id="body", body=0, frames=frames_of(motion), colour=colour)
     return Show(
         title=title,
