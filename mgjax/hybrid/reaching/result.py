@@ -27,7 +27,8 @@ class Reached:
         status: ``"reached"``; ``"out_of_reach"``: nowhere on the walk; ``"too_high"``: the target
             is more than 0.95 Σd above the base; ``"limits"``: near enough, but the joints do not
             allow it, or not over the whole hold; ``"lost"``: no way leads there; ``"too_fast"``: a
-            joint turns too fast even with the longest blend. A bar is ``"cleared"`` or ``"hit"``.
+            joint turns too fast even with the longest blend; ``"missed"``: other targets or a bar,
+            too near in time, draw the body away from it. A bar is ``"cleared"`` or ``"hit"``.
         error_m: distance of the end to the target at the beginning of the hold; of a bar NaN.
         hold_m: the largest one over the hold.
         first, last: frames of the hold, or of being down; None if there is none.
@@ -82,8 +83,9 @@ def target_row(
     number: int,
     events: list[ReachEvent],
     holds: dict[int, Hold],
+    hold_m: float,
 ) -> Reached:
-    """What came of a target, measured on the motion."""
+    """What came of a target, measured on the motion; it is reached within ``hold_m`` m."""
     event = next(event for event in events if number in event.numbers)
     hold = holds.get(id(event))
     if hold is None or event.key is None:
@@ -102,7 +104,7 @@ def target_row(
         clear_m = float(arm_clearance(body.capsules, positions[rows], limb.type).min())
     return Reached(
         target=target,
-        status=event.status,
+        status="missed" if event.status == "reached" and off.max() > hold_m else event.status,
         error_m=float(off[0]),
         hold_m=float(off.max()),
         first=hold.first,
