@@ -89,7 +89,7 @@ def _near(capsule: Capsule, points: np.ndarray, reach: float) -> np.ndarray:
     thick = max(capsule.radii) * max(capsule.width, capsule.depth, 1.0) + reach
     low = np.minimum(capsule.start, capsule.end) - thick
     high = np.maximum(capsule.start, capsule.end) + thick
-    return ((points > low) & (points < high)).all(axis=1)
+    return np.asarray(((points > low) & (points < high)).all(axis=1))
 
 
 def _shape(shape: Shape, points: np.ndarray, blend: float) -> _Values:

@@ -41,7 +41,7 @@ def surface_nets(
         for offset in _CORNERS
     ]
     count = sum((c < 0).astype(np.int8) for c in corner)
-    active = np.nonzero((count > 0) & (count < 8))
+    active = np.nonzero(np.asarray((count > 0) & (count < 8)))
     total, crossings = np.zeros((len(active[0]), 3)), np.zeros(len(active[0]))
     for a, b in _EDGES:
         one, other = corner[a][active], corner[b][active]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -19,11 +18,8 @@ FARTHEST_M = 1000.0
 def number(message: Message, name: str, low: float, high: float) -> float:
     """A number within a range, both ends included; :class:`ConfigError` otherwise."""
     value = message.get(name)
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, int | float)
-        or not math.isfinite(value)
-        or not low <= value <= high
+    if (  # what is not finite is in no range
+        isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high
     ):
         raise ConfigError(got=f"{name} {_short(value)}", expected=f"{low:g} … {high:g}")
     return float(value)
@@ -88,7 +84,7 @@ def points(message: Message, name: str, most: int, size: int = 3) -> Float[np.nd
 
 def _is_place(value: Any) -> bool:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and math.isfinite(value) and abs(value) <= FARTHEST_M
+    return is_number and abs(value) <= FARTHEST_M
 
 
 def _short(value: Any) -> str:

@@ -15,7 +15,14 @@ from mgjax.stage.serve.server import Server
 HOST, PORT = "127.0.0.1", 8765
 
 
-def view(options: Options, *, host: str = HOST, port: int = PORT, browser: bool = True, as_json: bool = False) -> None:
+def view(
+    options: Options,
+    *,
+    host: str = HOST,
+    port: int = PORT,
+    browser: bool = True,
+    as_json: bool = False,
+) -> None:
     """Serves an application, prints its address on one line, and opens it.
 
     Args:

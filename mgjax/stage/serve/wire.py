@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from enum import IntEnum
-from typing import BinaryIO
+from io import BufferedIOBase
 
 HEAD = struct.Struct("<IIB")
 ALL = 0
@@ -32,7 +32,7 @@ def frame(tab: int, kind: Kind, payload: bytes = b"") -> bytes:
     return HEAD.pack(len(payload), tab, kind) + payload
 
 
-def read_frame(stream: BinaryIO) -> tuple[int, Kind, bytes] | None:
+def read_frame(stream: BufferedIOBase) -> tuple[int, Kind, bytes] | None:
     """The next frame of a stream that blocks, or None at its end."""
     head = _exactly(stream, HEAD.size)
     if head is None:
@@ -42,6 +42,6 @@ def read_frame(stream: BinaryIO) -> tuple[int, Kind, bytes] | None:
     return None if payload is None else (tab, Kind(kind), payload)
 
 
-def _exactly(stream: BinaryIO, count: int) -> bytes | None:
+def _exactly(stream: BufferedIOBase, count: int) -> bytes | None:
     data = stream.read(count)
     return data if data is not None and len(data) == count else None

@@ -14,7 +14,8 @@ import sys
 import threading
 import traceback
 from collections.abc import Iterator
-from typing import Any, BinaryIO
+from io import BufferedIOBase
+from typing import Any
 
 from mgjax.core.errors import MgjaxError
 from mgjax.stage.packet import pack
@@ -30,7 +31,7 @@ _SWITCH_S = 0.001
 class Worker:
     """Runs one application for all tabs; everything but reading happens in the main thread."""
 
-    def __init__(self, app: App, source: BinaryIO, target: BinaryIO) -> None:
+    def __init__(self, app: App, source: BufferedIOBase, target: BufferedIOBase) -> None:
         self._app = app
         self._source, self._target = source, target
         self._writing = threading.Lock()

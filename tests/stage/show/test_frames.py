@@ -27,7 +27,7 @@ def test_poses_come_back_up_to_rounding():
         np.abs(back - kept.local_rotations).max(axis=-1),
         np.abs(back + kept.local_rotations).max(axis=-1),
     )
-    assert off.max() < 1e-4
+    assert off.max() < 2e-4
     np.testing.assert_allclose(frames.root, kept.root_translation, atol=1e-4)
 
 
@@ -38,7 +38,7 @@ def test_signs_do_not_jump_between_frames():
     back = played(frames_of(type(motion)(
         root_translation=motion.root_translation, local_rotations=flipped, frame_rate=30.0
     )))  # fmt: skip
-    assert (np.einsum("fjx,fjx->fj", back[1:], back[:-1]) >= -1e-4).all()
+    assert (np.einsum("fjx,fjx->fj", back[1:], back[:-1]) >= -1e-3).all()
 
 
 def test_differences_say_the_same():

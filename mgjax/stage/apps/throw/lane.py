@@ -130,6 +130,10 @@ class Lane:
         self.throws = [*self.throws[-_KEPT + 1 :], throw]
         self.planner.attack(attack)
         self.show_ball(throw)
+        # What was sent ahead is shown in any case.
+        sent = np.arange(int(self._clock.now() * RATE), self._next) / RATE
+        if len(sent):
+            self._look_for_contacts(sent)
         return throw
 
     def predicted_root(self, when: float) -> Float[np.ndarray, "3"]:
