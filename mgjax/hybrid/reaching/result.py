@@ -10,6 +10,7 @@ from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.body.capsules import arm_clearance
+from mgjax.hybrid.config import ReachConfig
 from mgjax.hybrid.ik.limbs import find_limb
 from mgjax.hybrid.paths.result import PathResult
 from mgjax.hybrid.prepared import ReachBody
@@ -83,9 +84,9 @@ def target_row(
     number: int,
     events: list[ReachEvent],
     holds: dict[int, Hold],
-    hold_m: float,
+    config: ReachConfig,
 ) -> Reached:
-    """What came of a target, measured on the motion; it is reached within ``hold_m`` m."""
+    """What came of a target, measured on the motion."""
     event = next(event for event in events if number in event.numbers)
     hold = holds.get(id(event))
     if hold is None or event.key is None:
@@ -99,12 +100,13 @@ def target_row(
     wanted = target.at((rows - hold.first) / graph.frame_rate)
     limb = find_limb(body.skeleton, target.limb)
     off = np.linalg.norm(positions[rows, limb.joints[-1]] - wanted, axis=-1)
+    missed = event.status == "reached" and off.max() > config.hold_m
     clear_m = np.nan
     if limb.is_arm:
         clear_m = float(arm_clearance(body.capsules, positions[rows], limb.type).min())
     return Reached(
         target=target,
-        status="missed" if event.status == "reached" and off.max() > hold_m else event.status,
+        status="missed" if missed else event.status,
         error_m=float(off[0]),
         hold_m=float(off.max()),
         first=hold.first,

@@ -88,7 +88,7 @@ def reach(
     rows = [
         bar_row(prepared.reach_body, motion, target, ducks[number], config.drop_m)
         if target.bar is not None
-        else target_row(graph, prepared.reach_body, motion, target, number, events, holds, config.hold_m)
+        else target_row(graph, prepared.reach_body, motion, target, number, events, holds, config)
         for number, target in enumerate(targets)
     ]
     plants = sampled.plants[np.round(played.frames).astype(int)]

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.result import PathResult
 from mgjax.stage.apps.sketch.drawing import Drawing, Goal
 from mgjax.stage.apps.sketch.solve import Solution
@@ -19,6 +18,8 @@ WALKER = "walker"
 GOAL_M = 0.055
 _OBSTACLE_HIGH_M = 0.8
 _POINTS_M = 0.05
+_READABLE_S = 0.6
+"""Shorter spans have no room for a word."""
 _COLOURS: dict[str, Colour] = {
     "right_hand": "orange", "left_hand": "purple", "head": "green", "bar": "green",
 }  # fmt: skip
@@ -34,12 +35,12 @@ def actors_of(solution: Solution) -> list[Actor]:
 
 def lines_of(solution: Solution) -> list[Line]:
     """The path that is drawn, and beside it the track of the root."""
-    if solution.sketch is None:
+    curve = solution.curve
+    if curve is None:
         path = solution.drawing.path
         if path is None:
             return []
         return [Line(id="path", points=_floor(path.points), colour="red", width=4, dashed=True)]
-    curve = make_curve(solution.sketch)
     arc = np.linspace(0.0, curve.length, max(2, 1 + int(curve.length / _POINTS_M)))
     lines = [Line(id="path", points=_floor(curve.at(arc)), colour="grey", width=7)]
     if solution.route is not None:
@@ -98,8 +99,8 @@ def _marks(solution: Solution) -> list[Thing]:
         return []
     worst, off = worst_of(route)
     x, z = route.track.places[worst].tolist()
-    text = f"farthest: {100 * off:.0f} cm"
-    return [Thing(id="worst", shape="ring", place=(x, 0.0, z), radius=max(off, 0.06),
+    text = f"{100 * off:.0f} cm off"
+    return [Thing(id="worst", shape="ring", place=(x, 0.0, z), radius=max(off, 0.1),
                   colour="orange", note=text)]  # fmt: skip
 
 
@@ -121,6 +122,7 @@ def spans_of(solution: Solution) -> list[Span]:
     ):
         if row.first is not None and row.last is not None:
             text = "ducks" if row.target.bar is not None else "holds"
+            text = text if row.last - row.first > _READABLE_S * rate else ""
             spans.append(Span(row=name, start=row.first / rate, end=row.last / rate, text=text,
                               colour=_COLOURS[goal.kind]))  # fmt: skip
     return spans

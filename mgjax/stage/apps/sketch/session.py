@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -32,6 +33,8 @@ MOST_POINTS = 4000
 """Of a stroke of the pen."""
 MOST_UNDONE = 60
 WHENS = ("start", "passing", "end", "at")
+Fresh = Literal["", "drawn", "given"]
+"""Whether the path is another one, and then where it comes from."""
 LATEST_S = 300.0
 HOLD_S = (0.0, 10.0)
 RADIUS_M = (0.05, 2.0)
@@ -44,6 +47,8 @@ class SketchSession:
         self._solver, self._send = solver, send
         self._graph = solver.graph
         self._height = height_of(self._graph.skeleton)
+        frames = frames_of(standing_pose(self._graph), delta=False)
+        self._waiting = Actor(id="waiting", body=0, frames=frames)
         self._drawing = Drawing()
         self._solution = Solution(drawing=self._drawing)
         self._before: list[Drawing] = []
@@ -74,19 +79,18 @@ class SketchSession:
     def _standing(self) -> Show:
         """Somebody who waits."""
         skeleton = self._graph.skeleton
-        actor = Actor(id="waiting", body=0, frames=frames_of(standing_pose(self._graph)))
         return Show(title="Sketch", seconds=0.0, words=EMPTY, bodies=[body_of(skeleton)],
-                    actors=[actor])  # fmt: skip
+                    actors=[self._waiting])  # fmt: skip
 
     # What is drawn and placed.
 
     def _path(self, message: Message) -> None:
         stroke = points(message, "points", MOST_POINTS, size=2)
-        self._change(edits.draw(self._drawing, stroke), fresh=True)
+        self._change(edits.draw(self._drawing, stroke), fresh="drawn")
 
     def _ready_made(self, message: Message) -> None:
         name = text(message, "name", NAMES)
-        self._change(ready_made(self._drawing, name, self._height), fresh=True)
+        self._change(ready_made(self._drawing, name, self._height), fresh="given")
 
     def _smooth(self, message: Message) -> None:
         self._change(edits.reshape(self._drawing, smooth=flag(message, "on")))
@@ -136,7 +140,7 @@ class SketchSession:
 
     # How it is solved.
 
-    def _change(self, drawing: Drawing, *, fresh: bool = False) -> None:
+    def _change(self, drawing: Drawing, *, fresh: Fresh = "") -> None:
         """One edit; solved at once, and better when the page asks for it."""
         self._remember()
         self._dragged = False
@@ -160,12 +164,12 @@ class SketchSession:
         if whole(message, "version", 0, 2**53) == self._version and self._solution.better:
             self._solve("full")
 
-    def _solve(self, effort: Effort, *, fresh: bool = False) -> None:
+    def _solve(self, effort: Effort, *, fresh: Fresh = "") -> None:
         self._version += 1
         self._solution = self._solver.solve(self._drawing, effort)
         self._send(self._note(fresh))
 
-    def _note(self, fresh: bool) -> Message:
+    def _note(self, fresh: Fresh) -> Message:
         solution, drawing = self._solution, self._drawing
         words, tone = sentence(solution)
         motion = solution.motion
@@ -180,7 +184,7 @@ class SketchSession:
             "tone": tone,
             "figures": [list(row) for row in figures(solution)],
             "seconds": 0.0 if motion is None else (motion.num_frames - 1) / motion.frame_rate,
-            "actors": show_value(actors_of(solution)),
+            "actors": show_value(actors_of(solution) or [self._waiting]),
             "lines": show_value(lines_of(solution)),
             "things": show_value(things_of(solution)),
             "spans": show_value(spans_of(solution)),
@@ -210,7 +214,7 @@ class SketchSession:
             return
         drawing = edits.with_sketch(self._drawing, read)
         drawing.sketch()  # one that is too long changes nothing
-        self._change(drawing, fresh=True)
+        self._change(drawing, fresh="given")
 
     def _export(self, message: Message) -> None:
         text(message, "what", ("bvh",))

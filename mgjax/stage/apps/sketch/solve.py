@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 from mgjax.core.errors import ConfigError, MgjaxError
 from mgjax.core.motion import Motion
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.config import PathConfig, ReachConfig
+from mgjax.hybrid.paths.curve import Curve, make_curve
 from mgjax.hybrid.paths.result import PathResult
 from mgjax.hybrid.paths.search import follow
 from mgjax.hybrid.paths.sketch import Sketch
@@ -47,6 +49,11 @@ class Solution:
     trouble: str = ""
     better: bool = False
     extended: bool = True
+
+    @cached_property
+    def curve(self) -> Curve | None:
+        """The path by arc length."""
+        return None if self.sketch is None else make_curve(self.sketch)
 
     @property
     def motion(self) -> Motion | None:

@@ -6,7 +6,6 @@ import math
 from typing import Literal
 
 from mgjax.core.errors import ConfigError
-from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.result import PathResult
 from mgjax.hybrid.reaching.result import Reached
 from mgjax.stage.apps.sketch.solve import Solution
@@ -20,10 +19,10 @@ def sentence(solution: Solution) -> tuple[str, Tone]:
     """What came of it, and whether that is good."""
     if solution.trouble and solution.walked is None:
         return f"Cannot walk there: {solution.trouble}.", "bad"
-    route, sketch = solution.route, solution.sketch
-    if route is None or sketch is None:
+    route, curve = solution.route, solution.curve
+    if route is None or curve is None:
         return EMPTY, "plain"
-    text, tone = _walk_words(solution, route, make_curve(sketch).length)
+    text, tone = _walk_words(solution, route, curve.length)
     if solution.trouble:
         return f"{text}. Nothing is reached: {solution.trouble}.", "bad"
     if solution.reached is not None:
@@ -112,10 +111,10 @@ def _missed(row: Reached, extended: bool) -> str:
 
 def figures(solution: Solution) -> list[tuple[str, str]]:
     """Name and value of what is worth knowing, in the order in which it is read."""
-    route, sketch = solution.route, solution.sketch
-    if route is None or sketch is None:
+    route, curve = solution.route, solution.curve
+    if route is None or curve is None:
         return []
-    length = make_curve(sketch).length
+    length = curve.length
     rows = [("path", f"{length:.1f} m")]
     motion = solution.motion
     assert motion is not None
