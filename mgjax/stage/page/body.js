@@ -1,5 +1,7 @@
 /** A skeleton with its surface, and its pose in the world by forward kinematics. */
 
+const HEAD = 0.25;
+
 /**
  * A body ready to be posed and drawn.
  * @param {object} value as in mgjax/stage/show/types.py `Body`
@@ -11,16 +13,33 @@ export function makeBody({ parents, offsets, names, mesh }) {
   for (let j = 1; j < count; j += 1) {
     for (let k = 0; k < 3; k += 1) rest[3 * j + k] = rest[3 * parents[j] + k] + offsets[3 * j + k];
   }
-  return {
-    count, parents: Array.from(parents), offsets, rest, names,
-    mesh: {
-      places: Float32Array.from(mesh.places, (value) => value * mesh.unit),
-      normals: Int8Array.from(mesh.normals),
-      joints: Uint16Array.from(mesh.joints),
-      weights: Uint8Array.from(mesh.weights),
-      triangles: Uint32Array.from(mesh.triangles),
-    },
+  const surface = {
+    places: Float32Array.from(mesh.places, (value) => value * mesh.unit),
+    normals: Int8Array.from(mesh.normals),
+    joints: Uint16Array.from(mesh.joints),
+    weights: Uint8Array.from(mesh.weights),
+    triangles: Uint32Array.from(mesh.triangles),
   };
+  const reach = reachOf(surface, rest);
+  return { count, parents: Array.from(parents), offsets, rest, reach, names, mesh: surface };
+}
+
+/** How far the surface of each joint goes from it, m, at most what a head does. */
+function reachOf({ places, joints, weights }, rest) {
+  const reach = new Float32Array(rest.length / 3);
+  for (let v = 0; v < places.length / 3; v += 1) {
+    const j = joints[heaviest(weights, v)];
+    const way = Math.hypot(...[0, 1, 2].map((k) => places[3 * v + k] - rest[3 * j + k]));
+    reach[j] = Math.min(HEAD, Math.max(reach[j], way));
+  }
+  return reach;
+}
+
+/** Index, in `joints` and `weights`, of the joint with which a vertex moves most. */
+export function heaviest(weights, vertex) {
+  let best = 4 * vertex;
+  for (let i = best + 1; i < 4 * vertex + 4; i += 1) if (weights[i] > weights[best]) best = i;
+  return best;
 }
 
 /** Room for one pose of a body. */
@@ -33,6 +52,7 @@ export function makePose(body) {
     rows: new Float32Array(12 * body.count),
     low: [0, 0, 0],
     high: [0, 0, 0],
+    top: 0,
   };
 }
 
@@ -111,7 +131,11 @@ function fillRows({ count, rest }, { turns, places, rows }) {
   }
 }
 
-function fillBounds({ count }, { places, low, high }) {
+/** The box around the joints, and how high the surface comes at most. */
+function fillBounds({ count, reach }, pose) {
+  const { places, low, high } = pose;
+  pose.top = -Infinity;
+  for (let j = 0; j < count; j += 1) pose.top = Math.max(pose.top, places[3 * j + 1] + reach[j]);
   for (let k = 0; k < 3; k += 1) {
     low[k] = Infinity;
     high[k] = -Infinity;

@@ -1,7 +1,7 @@
 /** A camera on an arm around a target: turned, shifted, brought nearer; follows smoothly. */
 
 import {
-  add, clamp, cross, length, lookAt, mix, multiply, normalize, perspective, scale, subtract,
+  add, clamp, cross, dot, length, lookAt, mix, multiply, normalize, perspective, scale, subtract,
   transform,
 } from './math.js';
 
@@ -9,6 +9,7 @@ const FOV = (42 * Math.PI) / 180;
 const LOWEST = 0.03;
 const HIGHEST = 1.5;
 const SETTLE = 0.12;
+const FILLED = 0.86;
 
 /** Angles in radians, lengths in metres, pixels of the page. */
 export function createCamera() {
@@ -35,9 +36,7 @@ export function createCamera() {
     /** Shifts target and eye by a drag in pixels. */
     pan(dx, dy) {
       const metres = (2 * camera.distance * Math.tan(FOV / 2)) / camera.height;
-      const arm = armOf(camera);
-      const right = normalize(cross([0, 1, 0], arm));
-      const up = cross(arm, right);
+      const { right, up } = axes();
       const shift = add(scale(right, -dx * metres), scale(up, dy * metres));
       camera.target = add(camera.target, shift);
       camera.target[1] = clamp(camera.target[1], 0, 20);
@@ -64,26 +63,35 @@ export function createCamera() {
       return true;
     },
 
-    /** Stands so that a box (m) fills most of the picture. */
+    /** Stands, looking the same way, so that a box (m) fills most of the picture. */
     frame(low, high) {
+      const { arm, right, up, tall, wide } = axes();
       const centre = scale(add(low, high), 0.5);
-      const radius = Math.max(0.7, length(subtract(high, low)) / 2);
-      const tall = Math.tan(FOV / 2);
-      const wide = tall * (camera.width / camera.height);
+      let distance = 1.6;
+      for (let corner = 0; corner < 8; corner += 1) {
+        const at = [0, 1, 2].map((k) => ((corner >> k) & 1 ? high[k] : low[k]) - centre[k]);
+        const [x, y, z] = [Math.abs(dot(at, right)), Math.abs(dot(at, up)), dot(at, arm)];
+        distance = Math.max(distance, z + x / (wide * FILLED), z + y / (tall * FILLED));
+      }
       camera.target = centre;
-      camera.distance = clamp((radius * 1.12) / Math.sin(Math.atan(Math.min(tall, wide))), 1.2, 100);
+      camera.distance = Math.min(distance, 100);
     },
 
     /** The ray through a pixel: from the eye, unit direction. */
     ray(x, y) {
-      const arm = armOf(camera);
-      const right = normalize(cross([0, 1, 0], arm));
-      const up = cross(arm, right);
-      const tall = Math.tan(FOV / 2);
-      const across = ((2 * x) / camera.width - 1) * tall * (camera.width / camera.height);
-      const over = (1 - (2 * y) / camera.height) * tall;
-      const to = add(add(scale(right, across), scale(up, over)), scale(arm, -1));
+      const { left, right, up } = camera.edges();
+      const to = add(mix(left, right, x / camera.width), scale(up, 1 - (2 * y) / camera.height));
       return { from: camera.eye, to: normalize(to) };
+    },
+
+    /** Directions to the middles of the left and right edge, and from the middle to the upper. */
+    edges() {
+      const { arm, right, up, tall, wide } = axes();
+      return {
+        left: subtract(scale(right, -wide), arm),
+        right: subtract(scale(right, wide), arm),
+        up: scale(up, tall),
+      };
     },
 
     /** The pixel of a place; null behind the eye. */
@@ -93,6 +101,15 @@ export function createCamera() {
       return [(0.5 + (0.5 * x) / w) * camera.width, (0.5 - (0.5 * y) / w) * camera.height];
     },
   };
+
+  /** The camera's own directions, and half of what it sees at one metre. */
+  function axes() {
+    const arm = armOf(camera);
+    const right = normalize(cross([0, 1, 0], arm));
+    const tall = Math.tan(FOV / 2);
+    return { arm, right, up: cross(arm, right), tall, wide: tall * (camera.width / camera.height) };
+  }
+
   camera.update(1, 1);
   return camera;
 }

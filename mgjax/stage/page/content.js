@@ -27,7 +27,7 @@ function* bodyPlaces(actor) {
   if (!actor?.seen) return;
   const { low, high } = actor.pose;
   yield low.map((value) => value - 0.12);
-  yield high.map((value) => value + 0.12);
+  yield [high[0] + 0.12, actor.pose.top, high[2] + 0.12];
 }
 
 function* bodies(scene) {
@@ -68,7 +68,7 @@ export function labelsOf(scene) {
   const labels = [];
   for (const { note, seen, pose, colour } of scene.actors.values()) {
     if (!note || !seen) continue;
-    const place = [(pose.low[0] + pose.high[0]) / 2, pose.high[1] + 0.16, (pose.low[2] + pose.high[2]) / 2];
+    const place = [(pose.low[0] + pose.high[0]) / 2, pose.top + 0.02, (pose.low[2] + pose.high[2]) / 2];
     labels.push({ text: note, place, colour });
   }
   for (const { note, place, end, radius = 0.05, colour = 'purple', shape } of scene.things.values()) {

@@ -17,9 +17,9 @@ const shade = (code) => [1, 3, 5].map((at) => parseInt(code.slice(at, at + 2), 1
 /** What the floor, its lines, the background and the light look like, light and dark. */
 export const THEMES = {
   light: {
-    floor: shade('#E9ECEF'), fine: shade('#DDE1E5'), metre: shade('#BFC6CD'),
+    floor: shade('#E6E9ED'), fine: shade('#DADFE4'), metre: shade('#BDC5CD'),
     haze: shade('#F6F7F9'), above: shade('#E6EBF1'),
-    sky: 0.62, ground: 0.36, sun: 0.62, shadow: 0.42,
+    sky: 0.58, ground: 0.30, sun: 0.66, shadow: 0.34,
     text: '#1D2329', plate: 'rgba(255,255,255,0.88)', edge: 'rgba(0,0,0,0.14)',
   },
   dark: {

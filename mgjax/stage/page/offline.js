@@ -19,7 +19,7 @@ import * as ui from './ui.js';
 export function start(root, packet, options = {}) {
   const show = unpack(packet);
   const kept = { camera: null, time: options.time ?? 0, playing: options.play ?? !calm(),
-    follow: options.follow ?? walker(show), dark: options.dark ?? ui.systemDark() };
+    speed: 1, loop: true, follow: options.follow ?? walker(show), dark: options.dark ?? ui.systemDark() };
   const page = layOut(root, show);
   let now = { stage: null, player: null };
 
@@ -36,7 +36,8 @@ export function start(root, packet, options = {}) {
     if (!stage) return;
     const { yaw, pitch, distance, target } = stage.camera;
     Object.assign(kept, { camera: { yaw, pitch, distance, target }, time: player.time,
-      playing: player.playing, follow: stage.follow, dark: stage.dark });
+      playing: player.playing, speed: player.speed, loop: player.loop, follow: stage.follow,
+      dark: stage.dark });
     closeStage();
     now = { stage: null, player: null };
   }
@@ -87,15 +88,16 @@ function layOut(root, show) {
   const view = element('main', { class: 'mg-view' });
   const under = element('div', { class: 'mg-under' });
   root.replaceChildren(view, under);
-  if (showInfo(side, show)) {
+  const small = matchMedia('(max-width: 759px)').matches;
+  if (showInfo(side, show, { open: !small })) {
     root.append(side);
     root.classList.add('mg-told');
   }
   if (show.title) document.title = show.title;
-  return { view, under };
+  return { view, under, side };
 }
 
-function openStage({ view, under }, show, kept) {
+function openStage({ view, under, side }, show, kept) {
   const canvas = element('canvas', {
     class: 'mg-canvas', tabIndex: 0, role: 'img',
     'aria-label': `${show.title || 'A motion'}: drag to turn, wheel to zoom`,
@@ -108,11 +110,15 @@ function openStage({ view, under }, show, kept) {
   stage.setShow(show);
   player.setShow(show);
   stage.follow = kept.follow;
+  player.speed = kept.speed;
+  player.loop = kept.loop;
   player.seek(kept.time);
   if (kept.camera) Object.assign(stage.camera, kept.camera);
   else stage.frameAll();
   ui.setDark(stage, kept.dark);
-  view.append(corner(stage, show));
+  const buttons = corner(stage, show);
+  view.append(buttons);
+  stage.keepClear(buttons, side);
   if (kept.playing && show.seconds > 0) player.play();
   return {
     stage, player,
@@ -127,15 +133,10 @@ function openStage({ view, under }, show, kept) {
 /** Buttons over the picture: all in view, follow, light or dark, save a picture. */
 function corner(stage, show) {
   const box = element('div', { class: 'mg-corner' });
-  const icon = (name, label, title, onClick) => {
-    const made = ui.button(box, { label, name, title, onClick });
-    made.classList.add('mg-icon');
-    made.setAttribute('aria-label', title);
-    return made;
-  };
-  icon('frame', '⛶', 'All in the picture', () => stage.frameAll());
+  const icon = (picture, title, onClick) => ui.iconButton(box, { picture, title, onClick });
+  icon('frame', 'All in the picture', () => stage.frameAll());
   if (show.actors?.length) {
-    const follow = icon('follow', '◎', 'Follow with the camera', () => {
+    const follow = icon('follow', 'Follow with the camera', () => {
       stage.follow = stage.follow === null ? show.actors[0].id : null;
       follow.setAttribute('aria-pressed', String(stage.follow !== null));
     });
@@ -143,7 +144,7 @@ function corner(stage, show) {
   }
   ui.themeButton(box, stage);
   if (confined()) return box;
-  icon('picture', '⤓', 'Save a picture', async () => {
+  icon('picture', 'Save a picture', () => {
     const data = stage.snapshot();
     if (!data) return;
     const bytes = Uint8Array.from(atob(data.split(',')[1]), (letter) => letter.charCodeAt(0));

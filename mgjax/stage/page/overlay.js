@@ -8,25 +8,26 @@ import { cross, dot, normalize } from './math.js';
 const FONT = '13px system-ui, sans-serif';
 const HIGH = 22;
 const MARGIN = 6;
+const GAP = 2;
 const AXIS_COLOURS = { x: PALETTE.red, y: PALETTE.green, z: PALETTE.blue };
 
 /**
  * Draws over a picture.
  * @param {CanvasRenderingContext2D} paper in pixels of the page
- * @param {object} view camera, theme, labels [{text, place, colour}], handles: a thing or null,
- *   held: the axis under the pointer
+ * @param {object} view camera, theme, labels [{text, place, colour}], taken: boxes of the page that
+ *   labels keep clear of, [{left, top, wide, high}], handles: a thing or null, held: the axis
+ *   under the pointer
  */
-export function drawOverlay(paper, { camera, theme, labels, handles, held }) {
+export function drawOverlay(paper, { camera, theme, labels, taken = [], handles, held }) {
   paper.font = FONT;
   paper.textBaseline = 'middle';
   paper.textAlign = 'center';
   if (handles) drawHandles(paper, camera, handles, held);
-  drawLabels(paper, camera, theme, labels);
+  drawLabels(paper, camera, theme, labels, [...taken, { left: 0, top: camera.height - 70, wide: 70, high: 70 }]);
   drawAxes(paper, camera, theme);
 }
 
-function drawLabels(paper, camera, theme, labels) {
-  const taken = [];
+function drawLabels(paper, camera, theme, labels, taken) {
   for (const label of labels) {
     const at = camera.project(label.place);
     if (!at) continue;
@@ -44,27 +45,34 @@ function boxFor(paper, camera, text, x, y) {
   const wide = Math.min(most, paper.measureText(text).width + 16);
   const left = Math.min(camera.width - MARGIN - wide, Math.max(MARGIN, x - wide / 2));
   const top = Math.min(camera.height - MARGIN - HIGH, Math.max(MARGIN, y - HIGH - 4));
-  return { left, top, wide };
+  return { left, top, wide, high: HIGH };
 }
 
-/** Moves a box up, then down, until it covers no other. */
+/** Moves a box to the nearest place where it covers no other; rather aside or up than down. */
 function settle(box, taken, camera) {
-  const covers = (top) => taken.some((other) => Math.abs(other.top - top) < HIGH + 2
-    && box.left < other.left + other.wide + 4 && other.left < box.left + box.wide + 4);
-  for (let step = 0; step < 12; step += 1) {
-    for (const way of [-1, 1]) {
-      const top = box.top + way * step * (HIGH + 2);
-      if (top >= MARGIN && top <= camera.height - MARGIN - HIGH && !covers(top)) {
-        box.top = top;
-        return;
-      }
+  const meets = ({ left, top }) => taken.some((other) => (
+    top < other.top + other.high + GAP && other.top < top + HIGH + GAP
+    && left < other.left + other.wide + GAP && other.left < left + box.wide + GAP));
+  const inside = ({ left, top }) => left >= MARGIN && left + box.wide <= camera.width - MARGIN
+    && top >= MARGIN && top <= camera.height - MARGIN - HIGH;
+  const cost = ({ left, top }) => Math.abs(left - box.left) * 1.5
+    + (top > box.top ? 4 * (top - box.top) : box.top - top);
+  const lefts = [box.left, ...taken.flatMap(({ left, wide }) => (
+    [left - box.wide - GAP, left + wide + GAP]))];
+  const tops = [box.top, ...taken.flatMap(({ top, high }) => [top - HIGH - GAP, top + high + GAP])];
+  let best = null;
+  for (const left of lefts) {
+    for (const top of tops) {
+      const place = { left, top };
+      if ((!best || cost(place) < cost(best)) && inside(place) && !meets(place)) best = place;
     }
   }
+  Object.assign(box, best);
 }
 
 function drawLabel(paper, theme, { text, colour }, { left, top, wide }, [x, y]) {
   const middle = Math.min(left + wide - 8, Math.max(left + 8, x));
-  if (Math.abs(top + HIGH + 4 - y) > 6) {
+  if (Math.abs(top + HIGH + 4 - y) > 6 || middle !== x) {
     paper.strokeStyle = theme.edge;
     paper.lineWidth = 1;
     paper.beginPath();

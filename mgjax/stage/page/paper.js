@@ -30,3 +30,13 @@ export function asPicture(below, above) {
   paper.drawImage(above, 0, 0, below.width, below.height);
   return whole.toDataURL('image/png');
 }
+
+/** Where elements lie over a canvas, in its pixels of the page: [{left, top, wide, high}]. */
+export function boxesOver(canvas, elements) {
+  if (!elements.length) return [];
+  const own = canvas.getBoundingClientRect();
+  return elements.map((each) => {
+    const { left, top, width, height } = each.getBoundingClientRect();
+    return { left: left - own.left, top: top - own.top, wide: width, high: height };
+  });
+}

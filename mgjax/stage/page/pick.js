@@ -1,6 +1,6 @@
 /** What lies under a ray: the floor, a body, a thing. */
 
-import { surfacePlaces } from './body.js';
+import { heaviest, surfacePlaces } from './body.js';
 import { cross, dot, rayCapsule, rayPlane, raySphere, subtract } from './math.js';
 
 const FARTHEST = 80;
@@ -56,14 +56,8 @@ function surfaceAt({ from, to }, { body, pose }) {
     if (at > 0 && at < far) [far, found] = [at, t];
   }
   if (found < 0) return null;
-  const joint = heaviest(body.mesh, triangles[found]);
+  const joint = body.mesh.joints[heaviest(body.mesh.weights, triangles[found])];
   return { joint, name: body.names[joint], place: from.map((value, k) => value + to[k] * far), far };
-}
-
-function heaviest({ joints, weights }, vertex) {
-  let best = 4 * vertex;
-  for (let i = best + 1; i < 4 * vertex + 4; i += 1) if (weights[i] > weights[best]) best = i;
-  return joints[best];
 }
 
 /**

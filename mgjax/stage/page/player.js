@@ -1,6 +1,7 @@
 /** The bar under a stage: play, step, speed, loop, and a timeline with what happens when. */
 
 import { clock, element } from './dom.js';
+import { icon } from './icons.js';
 import { hearKeys } from './keys.js';
 import { drawTimeline } from './timeline.js';
 
@@ -16,14 +17,14 @@ const LONGEST_GAP = 0.5;
 export function createPlayer(stage, parent, { live = false } = {}) {
   const state = { time: 0, seconds: 0, frame: 1 / 30, playing: false, speed: 1, loop: true, last: null, live };
   const heard = [];
-  const make = (name, text, title, click) => element('button', {
-    type: 'button', class: 'mg-button mg-icon', text, title, 'aria-label': title, 'data-name': name,
+  const make = (name, picture, title, click) => element('button', {
+    type: 'button', class: 'mg-button mg-icon', title, 'aria-label': title, 'data-name': name,
     on: { click },
-  });
-  const play = make('play', '▶', 'Play (space)', () => (state.playing ? player.pause() : player.play()));
-  const back = make('step-back', '◂', 'One frame back (←)', () => player.step(-1));
-  const on = make('step-on', '▸', 'One frame on (→)', () => player.step(1));
-  const loop = make('loop', '↻', 'Again from the beginning', () => { player.loop = !state.loop; });
+  }, icon(picture));
+  const play = make('play', 'play', 'Play (space)', () => player.toggle());
+  const back = make('step-back', 'back', 'One frame back (←)', () => player.step(-1));
+  const on = make('step-on', 'on', 'One frame on (→)', () => player.step(1));
+  const loop = make('loop', 'loop', 'Again from the beginning', () => { player.loop = !state.loop; });
   const reading = element('output', { class: 'mg-clock', 'data-name': 'clock' });
   const speed = element('select', {
     class: 'mg-speed', 'data-name': 'speed', 'aria-label': 'Speed', title: 'Speed',
@@ -75,7 +76,7 @@ export function createPlayer(stage, parent, { live = false } = {}) {
     if (state.live) return false;
     const jump = event.shiftKey ? Math.round(1 / state.frame) : 1;
     const keys = {
-      ' ': () => (state.playing ? player.pause() : player.play()),
+      ' ': () => player.toggle(),
       ArrowLeft: () => player.step(-jump),
       ArrowRight: () => player.step(jump),
       Home: () => seek(0),
@@ -87,7 +88,7 @@ export function createPlayer(stage, parent, { live = false } = {}) {
 
   function markPlaying(playing) {
     Object.assign(state, { playing, last: null });
-    play.textContent = playing ? '❚❚' : '▶';
+    play.replaceChildren(icon(playing ? 'pause' : 'play'));
     play.title = playing ? 'Pause (space)' : 'Play (space)';
     play.setAttribute('aria-label', play.title);
     bar.dataset.playing = String(playing);
@@ -111,6 +112,7 @@ export function createPlayer(stage, parent, { live = false } = {}) {
       stage.wake(false);
     },
     pause: () => markPlaying(false),
+    toggle: () => (state.playing ? player.pause() : player.play()),
     /** Goes to a second. */
     seek(time) {
       state.time = Math.min(state.seconds, Math.max(0, time));

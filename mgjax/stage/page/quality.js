@@ -20,9 +20,17 @@ export function createQuality() {
   let last = null;
   let times = [];
   let patience = PATIENT;
+  let fixed = false;
   const quality = {
     level: 0,
     ms: 0,
+
+    /** Stays at a level; null: chooses again. */
+    fix(level) {
+      fixed = level !== null;
+      if (fixed) quality.level = Math.min(LEVELS.length - 1, Math.max(0, level));
+      times = [];
+    },
 
     get now() { return LEVELS[quality.level]; },
 
@@ -36,8 +44,9 @@ export function createQuality() {
       const spent = last === null ? 0 : now - last;
       last = now;
       if (!running || spent > BREAK || spent <= 0) return false;
-      times.push(spent);
       quality.ms = quality.ms ? quality.ms * 0.9 + spent * 0.1 : spent;
+      if (fixed) return false;
+      times.push(spent);
       if (times.length >= ENOUGH && median(times.slice(-ENOUGH)) > SLOW) return quality.change(1);
       if (times.length >= patience && median(times.slice(-patience)) < QUICK) return quality.change(-1);
       if (times.length > 2 * patience) times = times.slice(-patience);

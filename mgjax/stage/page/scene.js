@@ -110,7 +110,7 @@ function addBody({ casters, spots }, { body, pose }) {
   for (let j = 0; j < body.count; j += 1) {
     const height = pose.places[3 * j + 1];
     const near = clamp(1 - height / 0.4, 0, 1);
-    if (near > 0) spots.push(pose.places[3 * j], pose.places[3 * j + 2], 0.2, 0.22 * near * near);
+    if (near > 0) spots.push(pose.places[3 * j], pose.places[3 * j + 2], 0.17, 0.2 * near * near);
   }
 }
 
@@ -124,7 +124,7 @@ function addBall({ solids, spots, casters, airLines }, ball, time) {
   spots.push(place[0], place[2], ball.radius * (2 - near) * 1.2, 0.5 * near);
 }
 
-/** The way of a ball in the last second, which fades. */
+/** The way of a ball in the last second, which tapers off. */
 function addTrail(lines, ball, time) {
   const { times, places } = ball;
   const last = Math.min(time, times[times.length - 1]);
@@ -132,8 +132,8 @@ function addTrail(lines, ball, time) {
   if (last <= begin) return;
   const moments = [begin, ...Array.from(times).filter((t) => t > begin && t < last), last];
   const points = moments.flatMap((t) => ballPlace(ball, t));
-  const shares = moments.map((t) => 0.75 * clamp(1 - (time - t) / TRAIL, 0, 1));
-  const width = clamp(ball.radius * 40, 2, 5);
+  const shares = moments.map((t) => clamp(1 - (time - t) / TRAIL, 0, 1));
+  const width = clamp(ball.radius * 50, 3, 7);
   lines.push({ numbers: polyline(points, shares), colour: rgb(ball.colour ?? 'orange'), width });
 }
 

@@ -6,7 +6,7 @@ import { createRenderer } from './draw/renderer.js';
 import { createHands, thingUnder } from './hands.js';
 import { THEMES } from './look.js';
 import { drawOverlay } from './overlay.js';
-import { asPicture, clearPaper, makePaper } from './paper.js';
+import { asPicture, boxesOver, clearPaper, makePaper } from './paper.js';
 import { bodyAt, floorAt } from './pick.js';
 import { listen } from './pointer.js';
 import { createQuality, LEVELS } from './quality.js';
@@ -35,7 +35,7 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
   const hands = createHands(scene, camera, tell);
   const state = {
     time: 0, dark, follow: null, offset: [0, 0, 0], posed: false, dirty: true, request: 0,
-    last: 0, running: false, gone: false,
+    last: 0, running: false, gone: false, over: [],
   };
 
   function hear(name, callback) {
@@ -101,7 +101,8 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
     renderer.draw(view, scene.drawn(state.time, camera.eye));
     clearPaper(paper, wide, high);
     const labels = labelsOf(scene);
-    drawOverlay(paper, { camera, theme, labels, handles: hands.shown, held: hands.axis });
+    const taken = boxesOver(canvas, state.over);
+    drawOverlay(paper, { camera, theme, labels, taken, handles: hands.shown, held: hands.axis });
     return true;
   }
 
@@ -194,6 +195,11 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
     /** Called with now (ms) before each frame; frames go on for as long as it returns true. */
     onTick: (callback) => hear('tick', callback),
     wake,
+    /** Labels keep clear of these elements of the page, which lie over the picture. */
+    keepClear(...elements) {
+      state.over = elements;
+      wake();
+    },
 
     /** A picture of a second, labels too, in the best quality: a PNG as a data URL, or null. */
     snapshot(seconds = state.time) {
@@ -203,6 +209,12 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
       const drawn = draw(LEVELS[0]);
       wake();
       return drawn ? asPicture(canvas, paper.canvas) : null;
+    },
+
+    /** How finely is drawn: 0 (best) … 4, or null: as the time between frames allows. */
+    set level(level) {
+      quality.fix(level);
+      wake();
     },
 
     /** Frames a second and ms between them while something moves; pixels drawn for one (scale). */

@@ -4,6 +4,7 @@
  */
 
 import { element, freshId, nameOf, readable } from './dom.js';
+import { icon } from './icons.js';
 import { PALETTE } from './look.js';
 
 /** A part of the side with a title; returns the element that takes its content. */
@@ -52,6 +53,16 @@ export function button(parent, { label, name, title, strong = false, onClick }) 
     type: 'button', class: strong ? 'mg-button mg-strong' : 'mg-button', text: label, title,
     'data-name': name ?? nameOf(label), on: { click: onClick },
   });
+  parent.append(made);
+  return made;
+}
+
+/** A small button with a picture of icons.js; `title` says what it does. */
+export function iconButton(parent, { picture, name = picture, title, onClick }) {
+  const made = element('button', {
+    type: 'button', class: 'mg-button mg-icon', title, 'aria-label': title, 'data-name': name,
+    on: { click: onClick },
+  }, icon(picture));
   parent.append(made);
   return made;
 }
@@ -252,10 +263,7 @@ export function setDark(stage, dark) {
 
 /** A button that changes between light and dark. */
 export function themeButton(parent, stage) {
-  const made = button(parent, {
-    label: '◐', name: 'theme', title: 'Light or dark', onClick: () => setDark(stage, !stage.dark),
+  return iconButton(parent, {
+    picture: 'theme', title: 'Light or dark', onClick: () => setDark(stage, !stage.dark),
   });
-  made.setAttribute('aria-label', 'Light or dark');
-  made.classList.add('mg-icon');
-  return made;
 }

@@ -67,6 +67,7 @@ export function start({ stage, player, ui, side, link, options }) {
     stage.frameAll();
     player.speed = 0.25;
     player.play();
+    stage.canvas.focus({ preventScroll: true }); // the keys are the player's now
     said.set(show.words, 'plain');
     outcome.show(show);
   });

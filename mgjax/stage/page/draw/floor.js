@@ -33,15 +33,25 @@ void main() {
   pixel = vec4(mix(colour, haze.rgb, far), 1.0);
 }`;
 
+/** The background: haze at the horizon, another colour above. */
 const BEHIND = `
 in vec2 corner;
-out float height;
-void main() { height = corner.y; gl_Position = vec4(corner, 1.0, 1.0); }`;
+uniform vec3 left;
+uniform vec3 right;
+uniform vec3 up;
+out vec3 direction;
+void main() {
+  direction = mix(left, right, 0.5 + 0.5 * corner.x) + up * corner.y;
+  gl_Position = vec4(corner, 1.0, 1.0);
+}`;
 const BEHIND_PAINT = `
-in float height;
+in vec3 direction;
 uniform vec3 above;
 out vec4 pixel;
-void main() { pixel = vec4(mix(haze.rgb, above, clamp(height, 0.0, 1.0)), 1.0); }`;
+void main() {
+  float rise = clamp(normalize(direction).y * 2.2, 0.0, 1.0);
+  pixel = vec4(mix(haze.rgb, above, rise), 1.0);
+}`;
 
 /** Contact shadows: soft dark spots on the floor under what is near it. */
 const SPOT = `
@@ -105,8 +115,12 @@ export function createFloor(kit) {
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, numbers.length / 4);
       gl.disable(gl.BLEND);
     },
-    background(theme) {
+    /** @param {object} corners directions of the picture's edges, of camera.js `edges` */
+    background(theme, { left, right, up }) {
       gl.useProgram(behind.id);
+      gl.uniform3fv(behind.at('left'), left);
+      gl.uniform3fv(behind.at('right'), right);
+      gl.uniform3fv(behind.at('up'), up);
       gl.uniform3fv(behind.at('above'), theme.above);
       gl.bindVertexArray(wall);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);

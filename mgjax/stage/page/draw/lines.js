@@ -12,14 +12,14 @@ const STRIDE = 4 * FLOATS;
 const SEGMENT = `
 in vec2 corner;
 in vec3 from;
-in vec2 fromMore;  // metres along, share seen
+in vec2 fromMore;  // metres along, share of the width
 in vec3 to;
 in vec2 toMore;
 uniform float width;
 uniform float lift;
 out vec2 at;        // pixels along and across
 out float span;     // pixels from end to end
-out vec3 along;     // metres along, share seen, 1: each by depth
+out vec3 along;     // metres along, share of the width, 1: each by depth
 void main() {
   vec4 a = toClip * vec4(from + vec3(0.0, lift, 0.0), 1.0);
   vec4 b = toClip * vec4(to + vec3(0.0, lift, 0.0), 1.0);
@@ -45,11 +45,11 @@ in vec2 at;
 in float span;
 in vec3 along;
 uniform float width;
-uniform vec4 colour;
+uniform vec3 colour;
 uniform float dash;
 out vec4 pixel;
 void main() {
-  float radius = 0.5 * width * size.z;
+  float radius = 0.5 * width * size.z * along.y / along.z;
   float beyond = max(max(-at.x, at.x - span), 0.0);
   float cover = clamp(radius + 0.5 - length(vec2(beyond, at.y)), 0.0, 1.0);
   float metres = along.x / along.z;
@@ -58,9 +58,8 @@ void main() {
     float wave = abs(fract(metres / dash) - 0.5) * 2.0;
     cover *= clamp((wave - 0.42) / (2.0 * blur) + 0.5, 0.0, 1.0);
   }
-  cover *= clamp(along.y / along.z, 0.0, 1.0) * colour.a;
   if (cover < 0.01) discard;
-  pixel = vec4(colour.rgb, cover);
+  pixel = vec4(colour, cover);
 }`;
 
 const SHEET = `
@@ -85,7 +84,7 @@ void main() {
   pixel = vec4(colour, 0.10 + 0.55 * max(line.x, line.y));
 }`;
 
-/** Numbers of a polyline: place, metres from its start, share seen. `points` is [x,y,z,…], m. */
+/** Numbers of a polyline: place, metres from its start, share of its width. Points [x,y,z,…], m. */
 export function polyline(points, shares = null) {
   const count = points.length / 3;
   const numbers = new Float32Array(FLOATS * count);
@@ -134,11 +133,11 @@ export function createLines(kit) {
       gl.bindBuffer(gl.ARRAY_BUFFER, points);
       gl.enable(gl.BLEND);
       gl.uniform1f(program.at('lift'), lift);
-      for (const { numbers, colour, width, dashed, alpha = 1 } of lines) {
+      for (const { numbers, colour, width, dashed } of lines) {
         const segments = numbers.length / FLOATS - 1;
         if (segments < 1) continue;
         gl.bufferData(gl.ARRAY_BUFFER, numbers, gl.DYNAMIC_DRAW);
-        gl.uniform4f(program.at('colour'), ...colour, alpha);
+        gl.uniform3fv(program.at('colour'), colour);
         gl.uniform1f(program.at('width'), width);
         gl.uniform1f(program.at('dash'), dashed ? 0.24 : 0);
         gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, segments);

@@ -39,7 +39,7 @@ export function createRenderer(gl) {
     gl.bufferSubData(gl.UNIFORM_BUFFER, 0, numbers);
   }
 
-  function drawWorld({ actors, ghosts, spots, floorLines, airLines, nets }, theme) {
+  function drawWorld({ actors, ghosts, spots, floorLines, airLines, nets }, { theme, camera }) {
     gl.disable(gl.CULL_FACE);
     floor.floor(theme);
     gl.depthMask(false);
@@ -47,7 +47,7 @@ export function createRenderer(gl) {
     floor.spots(spots);
     lines.draw(floorLines);
     gl.enable(gl.DEPTH_TEST);
-    floor.background(theme);
+    floor.background(theme, camera.edges());
     gl.depthMask(true);
     gl.enable(gl.CULL_FACE);
     bodies.solid(actors);
@@ -81,7 +81,7 @@ export function createRenderer(gl) {
       smooth.begin(width, height, quality.samples);
       gl.viewport(0, 0, width, height);
       gl.clear(gl.DEPTH_BUFFER_BIT);
-      drawWorld(scene, view.theme);
+      drawWorld(scene, view);
       smooth.end(width, height);
       gl.bindVertexArray(null);
     },
