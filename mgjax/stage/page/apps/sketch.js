@@ -80,8 +80,9 @@ export function start({ stage, player, ui, side, link, options }) {
     if (note.event !== 'drawn') return;
     pen.lift();
     picture.show(note);
-    const more = note.better ? ' Looking for a better walk …' : '';
-    said.set(note.words + more, note.better && note.tone === 'good' ? 'busy' : note.tone);
+    const goesOn = note.better && !note.dragged;
+    const more = goesOn ? ' Looking for a better walk …' : '';
+    said.set(note.words + more, goesOn && note.tone === 'good' ? 'busy' : note.tone);
     figures.set(note.figures);
     chosen.set(note.items);
     smooth.value = note.smooth;
@@ -89,7 +90,7 @@ export function start({ stage, player, ui, side, link, options }) {
     method.value = note.method;
     clear.disabled = !note.items.length && !note.lines.length;
     enable(note.seconds > 0, note.undo > 0);
-    if (note.better) requestAnimationFrame(() => link.send({ type: 'refine', version: note.version, latest: true }));
+    if (goesOn) requestAnimationFrame(() => link.send({ type: 'refine', version: note.version, latest: true }));
   });
   link.on('sentence', ({ text, tone }) => {
     pen.lift();
