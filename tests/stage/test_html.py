@@ -72,7 +72,7 @@ def test_the_boot_script_is_what_the_page_ships():
 
 
 def test_what_cannot_be_shown_says_so(tmp_path):
-    with pytest.raises(MgjaxError, match="got a int"):
+    with pytest.raises(MgjaxError, match="got 'int', expected a motion"):
         mgjax.save_html(tmp_path / "page.html", 3)
     assert not list(tmp_path.iterdir())
 

@@ -13,7 +13,7 @@ from mgjax.core.xla.compilation import cache_folder
 from mgjax.io.skin.welded import WeldedMesh, welded_mesh
 from mgjax.io.store import load_arrays, save_arrays
 
-_VERSION = 1
+_VERSION = 2
 """Of the way in which skins are made; one more whenever another surface comes out."""
 _FIELDS = ("vertices", "normals", "joints", "weights", "triangles")
 

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array, csr_array
 from mgjax.core.skeleton import Skeleton
 from mgjax.io.skin.field import Shape, capsule_distance
 
-_REACH = 0.022
+_REACH = 0.016
 """A shape that lies so much farther than the nearest counts by 1/e; of a usual body, m."""
 _ROUNDS = 3
 

@@ -15,14 +15,21 @@ const ENOUGH = 8;
 const PATIENT = 90;
 const BREAK = 600;
 
+/** The level to begin with: a processor that draws by itself cannot have the best. */
+export function firstLevel(gl) {
+  const names = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : '';
+  return /swiftshader|llvmpipe|software/i.test(name) ? 1 : 0;
+}
+
 /** Watches frames and chooses a level. */
-export function createQuality() {
+export function createQuality(level = 0) {
   let last = null;
   let times = [];
   let patience = PATIENT;
   let fixed = false;
   const quality = {
-    level: 0,
+    level,
     ms: 0,
 
     /** Stays at a level; null: chooses again. */

@@ -9,7 +9,7 @@ import { drawOverlay } from './overlay.js';
 import { asPicture, boxesOver, clearPaper, makePaper } from './paper.js';
 import { bodyAt, floorAt } from './pick.js';
 import { listen } from './pointer.js';
-import { createQuality, LEVELS } from './quality.js';
+import { createQuality, firstLevel, LEVELS } from './quality.js';
 import { createScene } from './scene.js';
 
 const SMOOTH_SECONDS = 0.8;
@@ -28,7 +28,7 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
   let renderer = createRenderer(gl);
   const scene = createScene();
   const camera = createCamera();
-  const quality = createQuality();
+  const quality = createQuality(firstLevel(gl));
   const paper = makePaper(canvas);
   const heard = { frame: [], click: [], floor: [], thing: [], tick: [] };
   const tell = (name, what) => [...heard[name]].forEach((callback) => callback(what));
@@ -106,12 +106,11 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
     return true;
   }
 
-  /** The camera stands so that a box is in the picture. */
-  function frameBox(id) {
+  /** The camera stands so that everything, or one actor, is in the picture. */
+  function frameContent(id) {
     pose();
-    const { low, high } = content(scene, id);
     camera.update(canvas.clientWidth, canvas.clientHeight);
-    camera.frame(low, high);
+    camera.frame(content(scene, id));
     state.offset = [0, 0, 0];
     wake();
   }
@@ -173,8 +172,8 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
     },
 
     /** The camera stands so that all of the show is in the picture, or (frameOn) one actor. */
-    frameAll: () => frameBox(null),
-    frameOn: (id) => frameBox(id),
+    frameAll: () => frameContent(null),
+    frameOn: (id) => frameContent(id),
 
     ray: (x, y) => camera.ray(x, y),
     /** @returns {number[] | null} */
