@@ -28,9 +28,8 @@ def sketch_text(sketch: Sketch) -> str:
         root["speed"] = sketch.speed.tolist()
     if sketch.end is not None:
         x, z, heading = sketch.end
-        root["end"] = {"place": [x, z]}
-        if not np.isnan(heading):
-            root["end"]["heading_deg"] = float(np.degrees(heading))
+        turned = {} if np.isnan(heading) else {"heading_deg": float(np.degrees(heading))}
+        root["end"] = {"place": [x, z], **turned}
     if len(sketch.obstacles):
         root["obstacles"] = sketch.obstacles.tolist()
     return json.dumps(root, allow_nan=False) + "\n"

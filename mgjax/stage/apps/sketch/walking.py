@@ -77,8 +77,8 @@ def warm(graph: MotionGraph, prepared: Prepared, progress: Progress, share: floa
         target = make_target(limb, place=[x, 0.7 * height, z + 0.3], when="passing")
         reach(graph, sketch, (target,), path=QUICK, walked=walked, prepared=prepared)
     progress(0.2 * share + 0.8, "a first duck")
-    ends = [[x + side, 0.8 * height, z] for side in (-1.0, 1.0)]
-    bar = make_target("head", bar=(*ends, BAR_RADIUS_M))
+    left, right = ([x + side, 0.8 * height, z] for side in (-1.0, 1.0))
+    bar = make_target("head", bar=(left, right, BAR_RADIUS_M))
     reach(graph, sketch, (bar,), path=QUICK, walked=walked, prepared=prepared)
 
 
