@@ -7,7 +7,8 @@ import io
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -27,9 +28,9 @@ from mgjax.stage.html import page_html, save_html
 from mgjax.stage.show.types import Show
 
 SIZE = (1280, 720)
-RATE = 30.0
+RATE = 30
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-_ARGUMENTS = (
+ARGUMENTS = (
     "--no-sandbox",
     "--no-first-run",
     "--disable-background-networking",
@@ -73,7 +74,7 @@ def save_show(path: str | Path, show: Show, *, time: float | None = None) -> Non
 
 
 def save_film(
-    path: str | Path, show: Show, *, size: tuple[int, int] = SIZE, rate: float = RATE
+    path: str | Path, show: Show, *, size: tuple[int, int] = SIZE, rate: int = RATE
 ) -> None:
     """Writes a film (H.264) of the whole show; see :func:`save_show`."""
     try:
@@ -118,6 +119,18 @@ def pictures(
     Raises:
         ConfigError: there is no browser, or it cannot draw.
     """
+    with ThreadPoolExecutor(max_workers=1) as one:  # where a notebook has a loop of its own
+        drawn = _pictures(show, times, size, plain)
+        try:
+            while (picture := one.submit(next, drawn, None).result()) is not None:
+                yield picture
+        finally:
+            one.submit(drawn.close).result()
+
+
+def _pictures(
+    show: Show, times: list[float], size: tuple[int, int], plain: bool
+) -> Generator[bytes, None, None]:
     shown = replace(show, title="", words="", notes=(), bars=()) if plain else show
     with _page(page_html(shown, play=False, dark=False), size) as page:
         for time in times:
@@ -149,10 +162,9 @@ def _page(text: str, size: tuple[int, int]) -> Iterator[Any]:
         file.write_text(text, encoding="utf-8")
         try:
             browser = playwright.chromium.launch(
-                executable_path=str(browser_path), args=list(_ARGUMENTS)
+                executable_path=str(browser_path), args=list(ARGUMENTS)
             )
-            view = {"width": size[0], "height": size[1]}
-            page = browser.new_page(viewport=view, bypass_csp=True)
+            page = browser.new_page(viewport={"width": size[0], "height": size[1]}, bypass_csp=True)
             page.goto(file.as_uri())
             page.wait_for_function("window.mgjax && window.mgjax.stage", timeout=_START_MS)
             page.add_style_tag(content=_PLAIN)

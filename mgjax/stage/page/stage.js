@@ -35,7 +35,7 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
   const hands = createHands(scene, camera, tell);
   const state = {
     time: 0, dark, follow: null, offset: [0, 0, 0], posed: false, dirty: true, request: 0,
-    last: 0, running: false, gone: false, over: [],
+    last: 0, drawn: false, gone: false, over: [],
   };
 
   function hear(name, callback) {
@@ -62,12 +62,14 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
     for (const tick of [...heard.tick]) more = tick(now) || more;
     lead();
     if (camera.step(seconds, false)) [state.dirty, more] = [true, true];
-    if (state.dirty && draw(quality.now)) {
-      if (quality.frame(now, state.running)) [state.dirty, more] = [true, true];
+    const drawn = state.dirty && draw(quality.now);
+    if (drawn) {
+      state.dirty = quality.frame(now, state.drawn);
       tell('frame', now);
     }
-    state.running = more;
-    if (more) wake(false);
+    state.drawn = drawn;
+    // One more after each that was drawn, so that whoever draws all the time misses none.
+    if (more || drawn) wake(false);
   }
 
   function pose() {
@@ -100,7 +102,7 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
     const view = { camera, theme, width, height, ratio, quality: { shadow, taps, samples } };
     renderer.draw(view, scene.drawn(state.time, camera.eye));
     clearPaper(paper, wide, high);
-    const labels = labelsOf(scene);
+    const labels = labelsOf(scene, hands.shown?.id);
     const taken = boxesOver(canvas, state.over);
     drawOverlay(paper, { camera, theme, labels, taken, handles: hands.shown, held: hands.axis });
     return true;
