@@ -58,6 +58,7 @@ export function createClipList(parent, { onPick, onUse }) {
       found += row.hidden ? 0 : 1;
     }
     none.hidden = found > 0;
+    list.scrollTop = 0;
   }
 
   return {
