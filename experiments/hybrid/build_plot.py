@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from mgjax.clips.types import Clip
 from mgjax.core import planar
+from mgjax.core.body.height import body_scale
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import resample
 from mgjax.graph.build import joint_weights
@@ -43,7 +44,7 @@ def error_figure(pair: tuple[Clip, Clip], config: GraphConfig) -> Figure:
         weights,
         window=window,
         neighbourhood=config.neighbourhood,
-        threshold=config.threshold_m or config.max_threshold_m,
+        threshold=body_scale(skeleton) * (config.threshold_m or config.max_threshold_m),
     )
     across = (minima.rows < len(a)) & (minima.columns >= len(a))
     figure = Figure(figsize=(12, 5.5), layout="constrained")
