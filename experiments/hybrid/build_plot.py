@@ -16,7 +16,7 @@ from mgjax.graph.config import GraphConfig
 from mgjax.graph.distance import distance_matrix
 from mgjax.graph.minima import find_minima
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.config import PathConfig, path_for_body
 from mgjax.hybrid.macro.macro_edges import build_macro_edges
 from mgjax.hybrid.paths.beam import run_beam
 from mgjax.hybrid.paths.branch_and_bound import branch_and_bound
@@ -79,8 +79,8 @@ def fewer_figure(sketch: Sketch, walks: dict[str, tuple[MotionGraph, PathResult]
 
 def unrolled_figure(graph: MotionGraph, sketch: Sketch, config: PathConfig) -> Figure:
     """The partial walks that one horizon of the exact search remembers, and the best of them."""
-    curve = make_curve(sketch)
-    request = make_request(curve, sketch, config)
+    curve = make_curve(sketch, graph.body_scale)
+    request = make_request(curve, sketch, path_for_body(config, graph.body_scale))
     search = Search(macro_edges=build_macro_edges(graph), request=request)
     state = np.zeros((graph.num_nodes, 5), dtype=np.float32)
     state[:, :3] = curve.start()

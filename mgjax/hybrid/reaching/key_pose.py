@@ -73,7 +73,7 @@ def find_key_pose(
         for x in (sampled.motion.root_translation, sampled.motion.local_rotations)
     )
     middle = steps // 2
-    drops = np.linspace(0, config.drop_m, _DROPS)
+    drops, scale = np.linspace(0, config.drop_m, _DROPS), sampled.body.scale
     down = drops[:, None] * np.array([[0.0, -1.0, 0.0]])
     solved = key_poses(
         rig,
@@ -84,7 +84,8 @@ def find_key_pose(
     walk = local[middle], points[middle]
     cost = np.stack(
         [
-            _costs(sampled, rig, root[middle] + down[i], *walk, solved[i], config) + 4.0 * drops[i]
+            _costs(sampled, rig, root[middle] + down[i], *walk, solved[i], config)
+            + 4.0 * drops[i] / scale
             for i in range(_DROPS)
         ]
     )
@@ -119,19 +120,20 @@ def _costs(
     poses: Float[np.ndarray, "P n 4"],
     config: ReachConfig,
 ) -> Float[np.ndarray, " P"]:
-    count = len(poses)
+    count, scale = len(poses), sampled.body.scale
     roots, locals_ = (np.repeat(x[None], count, axis=0) for x in (root, local))
     positions = _positions(rig, roots, locals_, poses)
     cost = pose_cost(rig, local, poses)
     for limb, point in zip(rig.limbs, points, strict=True):
         miss = np.linalg.norm(positions[:, limb.joints[-1]] - point, axis=-1)
         # Missing by the tolerance or by a metre: both are worse than any pose that arrives.
-        cost = cost + np.where(miss > 0.5 * config.hold_m, 100.0 + 100.0 * miss, 0.0)
+        cost = cost + np.where(miss > 0.5 * config.hold_m, 100.0 + 100.0 * miss / scale, 0.0)
         if limb.is_arm:
             clear = arm_clearance(sampled.body.capsules, positions, limb.type)
-            cost = cost + 40.0 * np.maximum(0.01 - clear, 0.0)
+            cost = cost + 40.0 * np.maximum(0.01 - clear / scale, 0.0)
             roles = (limb.type.role("shoulder"), limb.type.role("elbow"))
             joints = require_roles(rig.skeleton, roles)
             shoulder, elbow = (positions[:, joint, 1] for joint in joints)
-            cost = cost + 4.0 * np.maximum(elbow - np.maximum(shoulder, point[1]), 0.0)
+            above = elbow - np.maximum(shoulder, point[1])
+            cost = cost + 4.0 * np.maximum(above / scale, 0.0)
     return cost

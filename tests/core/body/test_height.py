@@ -26,9 +26,7 @@ def test_the_scale_of_a_body():
 
 def test_what_is_no_body_has_the_scale_1():
     offsets = np.array([[0, 0, 0], [0, 5, 0]], np.float32)
-    stick = Skeleton(
-        names=("root", "tip"), parents=(-1, 0), offsets=offsets, end_joints=(1,)
-    )
+    stick = Skeleton(names=("root", "tip"), parents=(-1, 0), offsets=offsets, end_joints=(1,))
     assert body_height(stick) is None
     assert body_scale(stick) == 1
 
