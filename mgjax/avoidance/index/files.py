@@ -65,6 +65,9 @@ def load_index(path: str | Path, graph: MotionGraph) -> GridIndex:
     names = {f.name for f in fields(GridIndex)} - set(_PLAIN)
     if set(arrays) != names or not set(_PLAIN) <= set(metadata):
         raise FileFormatError(file, None, "an incomplete index", "a whole one; build it anew")
+    scale = metadata["scale"]
+    if not isinstance(scale, float) or not 1e-6 < scale < 1e6:
+        raise FileFormatError(file, None, f"the scale {scale!r:.20}", "a number; build it anew")
     if not _is_sound(arrays, graph):
         raise FileFormatError(file, None, "arrays that do not fit", "a whole index; build it anew")
     return GridIndex(**arrays, **{name: metadata[name] for name in _PLAIN})
