@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from mgjax.io.bvh.write import save_bvh as save_bvh
     from mgjax.io.load import load_motion as load_motion
     from mgjax.io.save import save_motion as save_motion
+    from mgjax.stage.html import save_html as save_html
 else:
     __getattr__, __dir__, __all__ = attach(
         __name__,
@@ -42,6 +43,7 @@ else:
             "MgjaxError": "mgjax.core.errors",
             "Motion": "mgjax.core.motion",
             "save_bvh": "mgjax.io.bvh.write",
+            "save_html": "mgjax.stage.html",
             "save_motion": "mgjax.io.save",
             "Skeleton": "mgjax.core.skeleton",
         },

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from mgjax.avoidance.checks.written import SphereTrajectory as SphereTrajectory
     from mgjax.avoidance.choice.choosing import choose as choose
     from mgjax.avoidance.choice.compile_ahead import warm_up as warm_up
+    from mgjax.avoidance.choice.explain import Explained as Explained
+    from mgjax.avoidance.choice.explain import explain as explain
     from mgjax.avoidance.choice.results import Choice as Choice
     from mgjax.avoidance.choice.results import Dropped as Dropped
     from mgjax.avoidance.choice.results import Status as Status
@@ -42,7 +44,7 @@ if TYPE_CHECKING:
     from mgjax.avoidance.many.attacks import select_batch as select_batch
     from mgjax.avoidance.many.settings import Swept as Swept
     from mgjax.avoidance.many.settings import sweep_energies as sweep_energies
-    from mgjax.avoidance.play.planner import Answer as Answer
+    from mgjax.avoidance.play.answers import Answer as Answer
     from mgjax.avoidance.play.planner import Planner as Planner
     from mgjax.avoidance.prepared import Prepared as Prepared
     from mgjax.avoidance.prepared import prepare as prepare
@@ -55,7 +57,9 @@ else:
             "Status": "mgjax.avoidance.choice.results",
             "prepare": "mgjax.avoidance.prepared",
             "Prepared": "mgjax.avoidance.prepared",
-            "Answer": "mgjax.avoidance.play.planner",
+            "Answer": "mgjax.avoidance.play.answers",
+            "explain": "mgjax.avoidance.choice.explain",
+            "Explained": "mgjax.avoidance.choice.explain",
             "Attack": "mgjax.avoidance.attacks.attack",
             "AvoidanceConfig": "mgjax.avoidance.config",
             "ball_attack": "mgjax.avoidance.attacks.ball",

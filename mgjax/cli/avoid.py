@@ -96,7 +96,7 @@ def selection_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
         "walk": _walk_json(graph, selection),
         "time_scale": chosen.time_scale,
         "warp": _warp_json(graph, selection),
-        "part": None if chosen.part is None else _part_json(graph, chosen.part),
+        "part": None if chosen.part is None else _part_json(graph, selection, chosen.part),
         "energy": None if chosen.energy is None else dataclasses.asdict(chosen.energy),
         "clearance_m": chosen.clearance_m,
         "clear_until": chosen.clear_until,
@@ -159,8 +159,13 @@ def _warp_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
     return result
 
 
-def _part_json(graph: MotionGraph, part: int) -> dict[str, Any]:
+def _part_json(graph: MotionGraph, selection: Selection, part: int) -> dict[str, Any]:
+    """The avoidance part, and when the motion shows it, s from now."""
+    captured = part_moments(graph, selection.walk, selection.path_length, part)
+    start, _, end = selection.timing.when(captured).tolist()
     return {
+        "start_s": start,
+        "end_s": end,
         "index": part,
         "kind": graph.label_kind[part],
         "direction": graph.label_direction[part],

@@ -7,40 +7,17 @@ import time
 from dataclasses import replace
 from typing import Any
 
-from mgjax.avoidance.index.build import build_index
-from mgjax.avoidance.index.files import save_index
+from mgjax.avoidance.index.graph_folder import write_graph_folder
 from mgjax.cli.arguments import Build
 from mgjax.cli.reading import read_as_of
-from mgjax.cli.report import emit, to_json
+from mgjax.cli.report import emit
 from mgjax.clips.folder import load_clips
 from mgjax.clips.labels import load_labels
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
-from mgjax.graph.files import save_graph
 from mgjax.io.load import load_motion
 from mgjax.io.output import output_folder
 from mgjax.io.toml_file import load_config
-
-KEYS = (
-    "frames",
-    "clips",
-    "transitions",
-    "nodes",
-    "edges",
-    "threshold_m",
-    "labels_total",
-    "labels_kept",
-    "labels_enterable",
-    "genuine_total",
-    "genuine_kept",
-    "genuine_enterable",
-    "seconds",
-    "foot_slide_before",
-    "foot_slide_after",
-    "index",
-    "retargeted",
-    "notes",
-)
 
 
 def run(command: Build) -> None:
@@ -71,17 +48,9 @@ def run(command: Build) -> None:
         report["notes"] = notes + report["notes"]
         report["readings"] = readings
         report["seconds"] = {"read": round(read - begin, 4), **report["seconds"]}
-        start = time.perf_counter()
-        save_graph(folder, graph)
-        report["seconds"]["save"] = round(time.perf_counter() - start, 4)
-        index = None
-        if graph.report["labels_enterable"] and not command.no_index:
-            index = build_index(graph, progress=progress)
-            save_index(folder, index)
-        report["index"] = index.report if index else None
-        report["seconds"]["total"] = round(time.perf_counter() - begin, 4)
-        result = {key: report[key] for key in KEYS}
-        (folder / "build.json").write_text(to_json(result) + "\n")
+        result = write_graph_folder(
+            folder, graph, begin=begin, index=not command.no_index, progress=progress
+        )
     emit(result, _lines(result, str(command.out)), as_json=command.json)
 
 

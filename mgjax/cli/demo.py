@@ -15,6 +15,7 @@ from mgjax.cli.avoid import describe, selection_json
 from mgjax.cli.report import emit, to_json
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.core.errors import ConfigError
+from mgjax.core.motion import Motion
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.types import MotionGraph
@@ -22,6 +23,8 @@ from mgjax.graph.walk import Walk, make_walk
 from mgjax.io.bvh.write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.pictures.throws import Throw, scene_picture
+from mgjax.stage.html import save_html
+from mgjax.stage.show.throws import Thrown, throws_show, world_balls
 
 HEIGHTS_M = (1.45, 0.5, 1.1, 1.55, 0.8)
 """Heights at which the balls pass, in turn: head, knees, belly."""
@@ -45,24 +48,45 @@ def run(command: Demo) -> None:
         save_bvh(folder / "motion.bvh", graph.skeleton, motion)
         result: dict[str, Any] = {
             "graph": {k: v for k, v in graph.report.items() if k != "seconds"},
-            "balls": _balls_json(graph, throws),
+            "balls": _balls_json(graph, motion, throws),
             "avoided": sum(t.selection.status == "avoided" for t in throws),
         }
         (folder / "result.json").write_text(to_json(result) + "\n")
         scene_picture(folder / "scene.png", graph, throws)
+        show = throws_show(graph, motion, thrown(graph, throws), title="mgjax demo")
+        save_html(folder / "index.html", show)
     lines = [f"ball {i}: {describe(graph, t.selection)}" for i, t in enumerate(throws, 1)]
     lines.append(f"{result['avoided']} of {command.balls} avoided; written to {command.out}")
     emit(result, lines, as_json=command.json)
 
 
-def _balls_json(graph: MotionGraph, throws: list[Throw]) -> list[dict[str, Any]]:
-    """Each answer, with the second of the motion that is its "now"."""
-    rows: list[dict[str, Any]] = []
+def thrown(graph: MotionGraph, throws: list[Throw]) -> list[Thrown]:
+    """The throws with the second of the motion that is "now" for each."""
+    found: list[Thrown] = []
     now = 0.0
     for throw in throws:
-        rows.append({"now_s": now, **selection_json(graph, throw.selection)})
+        found.append(Thrown(now=now, attack=throw.attack, selection=throw.selection))
         now += float(throw.selection.walk.starts(graph)[-1])
-    return rows
+    return found
+
+
+def _balls_json(graph: MotionGraph, motion: Motion, throws: list[Throw]) -> list[dict[str, Any]]:
+    """Each answer, with the second of the motion that is its "now", and the ball's flight."""
+    return [
+        {
+            "now_s": throw.now,
+            "flight": [
+                {
+                    "radius_m": ball.radius,
+                    "times_s": ball.times.tolist(),
+                    "places_m": ball.places.tolist(),
+                }
+                for ball in world_balls(graph, motion, throw, "ball")
+            ],
+            **selection_json(graph, throw.selection),
+        }
+        for throw in thrown(graph, throws)
+    ]
 
 
 def throw_balls(graph: MotionGraph, balls: int, seed: int) -> tuple[list[Throw], Walk]:

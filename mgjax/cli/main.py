@@ -20,6 +20,7 @@ from mgjax.cli.arguments import (
     Info,
     Scene,
     Sensor,
+    View,
     Walk,
 )
 
@@ -34,6 +35,7 @@ MODULES: dict[type, str] = {
     Demo: "demo",
     Bench: "bench",
     Sensor: "sensor",
+    View: "view",
 }
 """Beside this file, the module of each command; its ``run`` takes the arguments."""
 
@@ -48,6 +50,7 @@ Command = (
     | Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
     | Annotated[Sensor, tyro.conf.subcommand("sensor")]
+    | Annotated[View, tyro.conf.subcommand("view")]
 )
 
 

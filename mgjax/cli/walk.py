@@ -16,9 +16,9 @@ from mgjax.hybrid.config import PathConfig, WalkConfig
 from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.result import PathResult
 from mgjax.hybrid.paths.search import follow
-from mgjax.hybrid.paths.sketch import load_sketch
+from mgjax.hybrid.paths.sketch import Sketch, load_sketch
 from mgjax.hybrid.reaching.result import ReachResult
-from mgjax.hybrid.reaching.targets import load_targets
+from mgjax.hybrid.reaching.targets import Target, load_targets
 from mgjax.hybrid.reaching.walk import reach
 from mgjax.io.bvh.write import save_bvh
 from mgjax.io.output import output_folder
@@ -48,6 +48,7 @@ def run(command: Walk) -> None:
             walked = reached.walked
         motion = walked.motion if reached is None else reached.motion
         result = walk_json(graph, walked, make_curve(sketch).length)
+        result["sketch"] = sketch_json(sketch)
         lines = [describe(result)]
         if reached is not None:
             result |= reach_json(reached)
@@ -99,6 +100,35 @@ def walk_json(graph: MotionGraph, walked: PathResult, length: float) -> dict[str
     }
 
 
+def sketch_json(sketch: Sketch) -> dict[str, Any]:
+    """The path that was asked for, as its file has it."""
+    value: dict[str, Any] = {
+        "points": sketch.points.tolist(),
+        "spline": sketch.spline,
+        "closed": sketch.closed,
+        "obstacles": sketch.obstacles.tolist(),
+    }
+    if sketch.end is not None:
+        x, z, heading = sketch.end
+        turned = {"heading_deg": math.degrees(heading)} if math.isfinite(heading) else {}
+        value["end"] = {"place": [x, z], **turned}
+    return value
+
+
+def target_json(target: Target) -> dict[str, Any]:
+    """Where a target is, as its file has it."""
+    if target.bar is not None:
+        ends = target.bar.ends.tolist()
+        bar = {"from": ends[0], "to": ends[1], "radius": target.bar.radius}
+        return {"limb": target.limb, "bar": bar}
+    rows = [
+        [float(s), *place] for s, place in zip(target.seconds, target.places.tolist(), strict=True)
+    ]
+    if len(rows) == 1:
+        return {"limb": target.limb, "place": rows[0][1:]}
+    return {"limb": target.limb, "track": rows}
+
+
 def reach_json(reached: ReachResult) -> dict[str, Any]:
     """What limbs reached as JSON values; times are those of the motion that is written."""
     rate = reached.motion.frame_rate
@@ -108,7 +138,7 @@ def reach_json(reached: ReachResult) -> dict[str, Any]:
 
     rows = [
         {
-            "limb": row.target.limb,
+            **target_json(row.target),
             "when": row.target.when,
             "status": row.status,
             "error_m": number(row.error_m),

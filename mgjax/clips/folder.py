@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
 
@@ -53,6 +53,8 @@ def load_clips(
     read_as: ReadAs | None = None,
     skip_bad: bool = False,
     need_body: bool = False,
+    prefer: Collection[str] = (),
+    watch: Callable[[float], None] | None = None,
 ) -> tuple[list[Clip], list[str]]:
     """Loads every motion file in ``folder`` and the folders below it, in the order of their paths.
 
@@ -63,6 +65,8 @@ def load_clips(
         read_as: what is known of all files; it counts more than a ``clips.toml``.
         skip_bad: leaves files out that cannot be read, with a note for each.
         need_body: a file without a body, or with one no person has, is bad as well.
+        prefer: names that stay, of two clips with identical motion.
+        watch: told the share of files that are read; what it raises ends the work.
 
     Returns:
         The clips, named by relative path with ``/``, and notes on what was found and left out: of
@@ -78,7 +82,11 @@ def load_clips(
     notes: list[str] = []
     said: dict[str, list[str]] = {}
     bad: list[MgjaxError] = []
-    for name in tqdm(names, desc="reading", unit="clip", disable=not progress, leave=False):
+    order = sorted(names, key=lambda name: name not in prefer)
+    bar = tqdm(order, desc="reading", unit="clip", disable=not progress, leave=False)
+    for number, name in enumerate(bar):
+        if watch is not None:
+            watch(number / len(names))
         way = over(known.of(folder / name), read_as or ReadAs())
         try:
             capture = read_capture(folder / name, way)
@@ -97,6 +105,8 @@ def load_clips(
         clips.append(
             Clip(name=name, skeleton=capture.skeleton, motion=capture.motion, reading=reading)
         )
+    place = {name: at for at, name in enumerate(names)}
+    clips.sort(key=lambda clip: place[clip.name])
     if bad and not (skip_bad and clips):
         raise all_of(bad, len(names))
     notes += [f"left out: {error}" for error in bad]

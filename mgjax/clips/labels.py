@@ -31,14 +31,12 @@ def load_labels(
         LabelError: names the file, the clip and the interval: no such clip, an interval outside
             its clip, empty, or overlapping another.
     """
-    document = _parse(path)
+    document = parse_labels(path)
     known = {(user_path(clips_folder) / clip.name).resolve(): clip for clip in clips}
     labels_of: dict[str, tuple[Label, ...]] = {}
     for name, intervals in document.items():
         try:
-            bases = (Path(path).parent, user_path(clips_folder))
-            names = (name, name.replace("\\", "/"))
-            places = [(base / user_path(each)).resolve() for each in names for base in bases]
+            places = clip_places(path, name, clips_folder)
             there = any(p.is_file() for p in places)
         except (OSError, ValueError):  # a name that no file can have
             places, there = [], False
@@ -51,7 +49,7 @@ def load_labels(
             )
         if not isinstance(intervals, list):
             raise LabelError(path, _line_of(path, name), f"{name!r}: {intervals!r:.40}", "a list")
-        labels = [_label(path, name, i, item) for i, item in enumerate(intervals)]
+        labels = [read_label(path, name, i, item) for i, item in enumerate(intervals)]
         labels_of[clip.name] = labels_of.get(clip.name, ()) + tuple(labels)
     validate_labels(labels_of, clips, source=path)
     return labels_of
@@ -89,7 +87,23 @@ def validate_labels(labels: Labels, clips: list[Clip], *, source: str | Path = "
             before = label
 
 
-def _parse(path: str | Path) -> dict[str, Any]:
+def clip_places(path: str | Path, name: str, clips_folder: str | Path) -> list[Path]:
+    """Where the clip may lie that a labels file names, the likeliest first.
+
+    Raises:
+        OSError, ValueError: no file can have such a name.
+    """
+    bases = (Path(path).parent, user_path(clips_folder))
+    names = (name, name.replace("\\", "/"))
+    return [(base / user_path(each)).resolve() for each in names for base in bases]
+
+
+def parse_labels(path: str | Path) -> dict[str, Any]:
+    """The intervals of each clip as they stand in a labels file, numbers as floats.
+
+    Raises:
+        LabelError: the file is no JSON object with an object ``clips``.
+    """
 
     def twice(key: str) -> LabelError:
         return LabelError(path, _line_of(path, key), f"{key!r:.80} twice", "it once")
@@ -108,7 +122,13 @@ def _parse(path: str | Path) -> dict[str, Any]:
     return clips
 
 
-def _label(path: str | Path, clip: str, index: int, item: Any) -> Label:
+def read_label(path: str | Path, clip: str, index: int, item: Any) -> Label:
+    """One interval of a clip, as :func:`parse_labels` gives it.
+
+    Raises:
+        LabelError: a key is missing or of another type.
+    """
+
     def fail(got: str, expected: str) -> LabelError:
         return LabelError(
             path, _line_of(path, clip), f"{clip!r}, interval {index}: {got}", expected

@@ -8,11 +8,12 @@ from typing import Any, cast
 
 from mgjax.core.errors import MotionError
 from mgjax.core.motion import Motion
+from mgjax.core.shown import Shown, made_of, origin_of
 from mgjax.core.skeleton import Skeleton
 
 
 @dataclass(frozen=True, kw_only=True)
-class Clip:
+class Clip(Shown):
     """One captured (or made) motion with the name by which labels and reports know it.
 
     Attributes:
@@ -25,6 +26,10 @@ class Clip:
     skeleton: Skeleton
     motion: Motion
     reading: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if origin_of(self.motion) is None:
+            made_of(self.motion, self.skeleton)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,13 +11,14 @@ from mgjax.core import quaternion
 from mgjax.core.arrays import Array, namespace
 from mgjax.core.body.mirrored import mirror_joints
 from mgjax.core.errors import MotionError
+from mgjax.core.shown import Shown, like, made_of
 from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.pytree import register
 
 
 @register("frame_rate")
 @dataclass(frozen=True, kw_only=True)
-class Motion:
+class Motion(Shown):
     """Poses over time.
 
     Attributes:
@@ -78,12 +79,13 @@ def cut(motion: Motion, start: int, stop: int) -> Motion:
 
 def _pick(motion: Motion, frames: slice) -> Motion:
     offsets = motion.joint_offsets
-    return replace(
+    picked = replace(
         motion,
         root_translation=motion.root_translation[frames],
         local_rotations=motion.local_rotations[frames],
         joint_offsets=None if offsets is None else offsets[frames],
     )
+    return like(picked, motion)
 
 
 def sample(motion: Motion, frames: Float[Array, " T"]) -> Motion:
@@ -104,12 +106,13 @@ def sample(motion: Motion, frames: Float[Array, " T"]) -> Motion:
         motion.local_rotations[low], motion.local_rotations[high], t[:, None]
     )
     offsets = motion.joint_offsets
-    return replace(
+    poses = replace(
         motion,
         root_translation=linear(motion.root_translation),
         local_rotations=rotations,
         joint_offsets=None if offsets is None else linear(offsets),
     )
+    return like(poses, motion)
 
 
 def resample(motion: Motion, frame_rate: float) -> Motion:
@@ -122,8 +125,10 @@ def resample(motion: Motion, frame_rate: float) -> Motion:
     step = motion.frame_rate / frame_rate
     count = int(np.floor((motion.num_frames - 1) / step + 1e-6)) + 1
     if round(step) >= 1 and abs(step - round(step)) < 1e-6:
-        return replace(_pick(motion, slice(None, None, round(step))), frame_rate=float(frame_rate))
-    return replace(sample(motion, np.arange(count) * step), frame_rate=float(frame_rate))
+        poses = _pick(motion, slice(None, None, round(step)))
+    else:
+        poses = sample(motion, np.arange(count) * step)
+    return like(replace(poses, frame_rate=float(frame_rate)), motion)
 
 
 def mirror(skeleton: Skeleton, motion: Motion) -> Motion:
@@ -137,9 +142,10 @@ def mirror(skeleton: Skeleton, motion: Motion) -> Motion:
     flip = xp.asarray(np.array([[[1, 1, -1, -1]]], dtype=motion.local_rotations.dtype))
     flip_x = xp.asarray(np.array([[-1, 1, 1]], dtype=motion.root_translation.dtype))
     offsets = motion.joint_offsets
-    return replace(
+    mirrored = replace(
         motion,
         root_translation=motion.root_translation * flip_x,
         local_rotations=motion.local_rotations[:, twins] * flip,
         joint_offsets=None if offsets is None else offsets[:, twins] * flip_x[None],
     )
+    return made_of(mirrored, skeleton)

@@ -6,7 +6,7 @@ After Kovar, Gleicher and Pighin (2002), with labelled parts as in the avoidance
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -35,13 +35,25 @@ from mgjax.graph.timeline import ClipTimeline, make_timeline
 from mgjax.graph.transition import build_transitions
 from mgjax.graph.types import MotionGraph
 
+_STEPS = {
+    "prepare": (0.0, "putting the clips on one skeleton"),
+    "distance": (0.1, "comparing poses"),
+    "prune": (0.7, "cutting off dead ends"),
+    "transitions": (0.75, "blending transitions"),
+    "assemble": (0.95, "putting the graph together"),
+}
+"""About how much is done when a step begins, and what it does."""
+
 
 @dataclass(kw_only=True)
 class _Stopwatch:
+    watch: Callable[[float, str], None] | None
     seconds: dict[str, float] = field(default_factory=dict)
 
     @contextmanager
     def step(self, name: str) -> Iterator[None]:
+        if self.watch is not None:
+            self.watch(*_STEPS[name])
         start = time.perf_counter()
         yield
         self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
@@ -54,6 +66,7 @@ def build_graph(
     config: GraphConfig | None = None,
     skeleton: Skeleton | tuple[Skeleton, Motion] | None = None,
     progress: bool = False,
+    watch: Callable[[float, str], None] | None = None,
 ) -> MotionGraph:
     """Builds a motion graph.
 
@@ -64,6 +77,8 @@ def build_graph(
         skeleton: the skeleton of the graph; by default the first clip's. With a motion of it
             (which does not become part of the graph) it is known for retargeting how it moves.
         progress: shows bars on stderr.
+        watch: told about how much is done, 0 … 1, and what is done next; what it raises ends the
+            work.
 
     Returns:
         The largest strongly connected component; its ``report`` has the statistics.
@@ -84,8 +99,8 @@ def build_graph(
         validate_motion(clip.skeleton, clip.motion)
     by_clip: Labels = {name: tuple(items) for name, items in (labels or {}).items()}
     validate_labels(by_clip, named)
-    watch = _Stopwatch()
-    with watch.step("prepare"):
+    clock = _Stopwatch(watch=watch)
+    with clock.step("prepare"):
         reference, example = skeleton if isinstance(skeleton, tuple) else (skeleton, None)
         timeline, notes = make_timeline(
             named, by_clip, reference or named[0].skeleton, config, example
@@ -93,6 +108,11 @@ def build_graph(
     window = max(1, round(config.window_s * config.frame_rate))
     weights = joint_weights(timeline.skeleton, config.weights)
     scale = body_scale(timeline.skeleton)
+
+    def compared(share: float) -> None:
+        if watch is not None:
+            begin, what = _STEPS["distance"]
+            watch(begin + share * (_STEPS["prune"][0] - begin), what)
 
     def search(limit: float) -> Minima:
         return find_minima(
@@ -104,11 +124,12 @@ def build_graph(
             neighbourhood=config.neighbourhood,
             threshold=scale * limit * (1 + 1e-12),  # what is nearest to it is decided below
             progress=progress,
+            watch=compared,
         )
 
-    with watch.step("distance"):
+    with clock.step("distance"):
         minima = search(_search_limit(config))
-    with watch.step("prune"):
+    with clock.step("prune"):
         candidates, rows, columns = _candidates(timeline, minima, window, config)
         largest = minima.largest / scale
         threshold = _threshold(candidates, largest, config)
@@ -117,7 +138,7 @@ def build_graph(
         if not component.frames:
             beyond = _candidates(timeline, search(float("inf")), window, config)[0]
             raise _nothing_left(beyond, threshold, largest, config)
-    with watch.step("transitions"):
+    with clock.step("transitions"):
         chains = None
         if config.clean_feet:
             try:
@@ -147,9 +168,9 @@ def build_graph(
         "notes": notes,
         "retargeted": [asdict(c.retargeted) for c in timeline.clips if c.retargeted],
     }
-    with watch.step("assemble"):
+    with clock.step("assemble"):
         graph = assemble(timeline, candidates, kept, blended, window, config, report)
-    report["seconds"] = {k: round(v, 4) for k, v in watch.seconds.items()}
+    report["seconds"] = {k: round(v, 4) for k, v in clock.seconds.items()}
     return graph
 
 

@@ -7,6 +7,7 @@ the clips' length.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -90,6 +91,7 @@ def find_minima(
     neighbourhood: int,
     threshold: float,
     progress: bool = False,
+    watch: Callable[[float], None] | None = None,
 ) -> Minima:
     """Minima of the distance below ``threshold``, each the lowest of its neighbourhood.
 
@@ -102,6 +104,7 @@ def find_minima(
             own pair of clips. Ties go to the lowest (row, column), so that a flat bottom has one.
         threshold: m; ``numpy.inf`` for all minima.
         progress: shows a bar on stderr.
+        watch: told the share of tiles that are done.
     """
     frames, valid, features = _features(positions, starts, stops, weights, window, neighbourhood)
     features, _ = trim_paths(features, features)
@@ -112,7 +115,9 @@ def find_minima(
     largest = 0.0
     tiles = [(i * TILE, j * TILE) for i in range(count) for j in range(count)]
     bar = tqdm(tiles, desc="distances", unit="tile", disable=not progress, leave=False)
-    for row, column in bar:
+    for number, (row, column) in enumerate(bar):
+        if watch is not None:
+            watch(number / len(tiles))
         hits, squared = _tile(
             features,
             features,

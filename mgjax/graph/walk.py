@@ -12,11 +12,12 @@ from jaxtyping import Float, Int
 from mgjax.core import planar, quaternion
 from mgjax.core.errors import MotionError
 from mgjax.core.motion import Motion
+from mgjax.core.shown import Shown, made_of
 from mgjax.graph.types import MotionGraph
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Walk:
+class Walk(Shown):
     """Edges that follow one another, each with the factor by which its duration is stretched.
 
     Attributes:
@@ -54,7 +55,7 @@ def make_walk(
         raise MotionError(
             f"got scales {factors.tolist()!s:.80}, expected {len(chosen)} numbers above 0"
         )
-    return Walk(edges=chosen, scales=factors)
+    return made_of(Walk(edges=chosen, scales=factors), graph)
 
 
 def random_walk(graph: MotionGraph, node: int, seconds: float, seed: int) -> Walk:
@@ -77,7 +78,7 @@ def extend(graph: MotionGraph, walk: Walk, until: float) -> Walk:
         edges.append(edge)
         scales.append(1.0)
         end += graph.edge_frames[edge] / graph.frame_rate
-    return Walk(edges=np.array(edges), scales=np.array(scales))
+    return made_of(Walk(edges=np.array(edges), scales=np.array(scales)), graph)
 
 
 def place_edges(
@@ -175,11 +176,12 @@ def sample_walk(
     root = root_low * (1 - share) + root_high * share
     rotations = np.asarray(quaternion.slerp(turns_low, turns_high, share))
     rate = 1 / (times[1] - times[0]) if len(times) > 1 else graph.frame_rate
-    return Motion(
+    motion = Motion(
         root_translation=np.asarray(root, dtype=np.float32),
         local_rotations=rotations.astype(np.float32),
         frame_rate=float(rate),
     )
+    return made_of(motion, graph.skeleton)
 
 
 def unroll(

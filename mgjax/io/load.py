@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mgjax.core.errors import FileFormatError
 from mgjax.core.motion import Motion
+from mgjax.core.shown import made_of
 from mgjax.core.skeleton import Skeleton
 from mgjax.io.acclaim.amc import find_asf, read_amc
 from mgjax.io.acclaim.asf import read_asf
@@ -55,7 +56,7 @@ def load_motion(
         frame_rate=read_as.frame_rate if frame_rate is None else frame_rate,
     )
     capture = read_capture(path, read_as)
-    return capture.skeleton, capture.motion
+    return capture.skeleton, made_of(capture.motion, capture.skeleton)
 
 
 def read_capture(path: str | Path, read_as: ReadAs | None = None) -> Capture:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mgjax.cli import build as build_command
+from mgjax.avoidance.index import graph_folder
 from mgjax.graph.files import load_graph
 from mgjax.io.load import load_motion
 from tests.cli.conftest import Ran, run
@@ -300,13 +300,13 @@ def test_interrupted_build_leaves_nothing(
     if existed:
         out.mkdir(parents=True)
         (out / "mine.txt").write_text("mine")
-    real = build_command.save_graph
+    real = graph_folder.save_graph
 
     def interrupted(folder: Path, graph: object) -> None:
         real(folder, graph)  # type: ignore[arg-type]
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(build_command, "save_graph", interrupted)
+    monkeypatch.setattr(graph_folder, "save_graph", interrupted)
     (one_clip / "graph.toml").write_text("threshold_m = 0.1\n")
     ran = run("build", "--clips", one_clip, "--config", one_clip / "graph.toml", "--out", out)
     assert ran.status == 130

@@ -79,6 +79,19 @@ def test_the_second_of_two_clips_with_one_motion_is_left_out(folder):
     assert notes == ["z.bvh: left out, its motion is that of b/copy.bvh"]
 
 
+def test_a_preferred_one_stays_of_two_with_one_motion(folder):
+    shutil.copy(folder / "z.bvh", folder / "b" / "copy.bvh")
+    clips, notes = load_clips(folder, prefer=["z.bvh"])
+    assert [c.name for c in clips] == ["b/deep/x.bvh", "b/y.BVH", "z.bvh"]
+    assert notes == ["b/copy.bvh: left out, its motion is that of z.bvh"]
+
+
+def test_reading_is_watched(folder):
+    told: list[float] = []
+    clips, _ = load_clips(folder, watch=told.append)
+    assert told == [n / len(clips) for n in range(len(clips))]
+
+
 def test_a_frame_time_with_fewer_digits_is_no_other_motion(folder):
     text = (folder / "z.bvh").read_text()
     line = next(x for x in text.splitlines() if x.startswith("Frame Time"))

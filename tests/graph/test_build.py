@@ -377,6 +377,24 @@ def test_a_clip_is_split_where_it_jumps():
     np.testing.assert_array_equal(graph.label_stops, [39, 129])
 
 
+def test_a_build_is_watched_and_ends_with_what_the_watcher_raises(made, made_graph):
+    told: list[tuple[float, str]] = []
+    graph = build_graph(made[0], labels=made[1], watch=lambda *x: told.append(x))
+    np.testing.assert_array_equal(graph.edge_target, made_graph.edge_target)
+    shares = [share for share, _ in told]
+    assert shares == sorted(shares)
+    assert shares[0] >= 0
+    assert shares[-1] < 1
+    for text in {text for _, text in told}:
+
+        def stop(share: float, now: str, text: str = text) -> None:
+            if now == text:
+                raise InterruptedError(text)
+
+        with pytest.raises(InterruptedError, match=text):
+            build_graph(made[0], labels=made[1], watch=stop)
+
+
 def test_a_fixed_threshold(made, made_graph):
     chosen = made_graph.report["threshold_m"]
     same = build_graph(made[0], labels=made[1], config=GraphConfig(threshold_m=chosen))

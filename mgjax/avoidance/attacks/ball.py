@@ -15,6 +15,7 @@ from mgjax.core.ballistics import drag_factors
 from mgjax.core.errors import AttackError
 
 GRAVITY_M_S2 = 9.8
+MAX_GRAVITY_M_S2 = 100.0
 
 
 BEYOND_M = 3.0
@@ -34,7 +35,7 @@ def ball_attack(
     *,
     speed: float,
     arrives: float,
-    gravity: bool = False,
+    gravity: bool | float = False,
     radius: float = BALL_RADIUS_M,
     drag: float = 0.0,
 ) -> Attack:
@@ -48,7 +49,8 @@ def ball_attack(
         start, at: m, in the planar frame of the character's start pose.
         speed: at launch, m/s.
         arrives: s, more than 0; the flight has to be over within a minute.
-        gravity: a ballistic throw, the flatter of the two that meet ``at``; else a straight line.
+        gravity: a ballistic throw, the flatter of the two that meet ``at``, under 9.8 m/s² or as
+            much as is said; else a straight line.
         radius: m.
         drag: deceleration by the air in proportion to the velocity, a = −drag · v, in 1/s.
 
@@ -71,7 +73,10 @@ def ball_attack(
             raise AttackError(got=f"a {name} {-place[1]:g} m under the floor", expected="y ≥ 0")
     if np.linalg.norm(b - a) < 1e-6:
         raise AttackError(got="a throw to the place it starts from", expected="another")
-    pull = np.array([0.0, -GRAVITY_M_S2 if gravity else 0.0, 0.0])
+    down = GRAVITY_M_S2 if gravity is True else float(gravity)
+    if not 0 <= down <= MAX_GRAVITY_M_S2:
+        raise AttackError(got=f"gravity {down:g} m/s²", expected=f"0 … {MAX_GRAVITY_M_S2:g}")
+    pull = np.array([0.0, -down, 0.0])
     velocity, flight = _launch(b - a, speed, pull, drag)
     until = flight + _seconds_beyond(velocity, flight, pull, drag)
     until = _until_floor(a[1], velocity[1], pull[1], drag, flight, until)
@@ -82,7 +87,7 @@ def ball_attack(
             expected=f"at most {MAX_SECONDS:g} s",
         )
     known = max(0.0, -launch)  # what was before now does not matter
-    rate = _KNOT_RATE if gravity or drag else 0.0  # a straight line needs none in between
+    rate = _KNOT_RATE if down or drag else 0.0  # a straight line needs none in between
     since = _evenly(known, flight, rate)
     if until - flight > 1e-6:
         since = np.concatenate([since[:-1], _evenly(flight, until, rate)])

@@ -13,6 +13,7 @@ from mgjax.avoidance.rates import CHECK_RATE, EXPORT_RATE, FAR
 from mgjax.avoidance.timing.walk_warps import natural_starts
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion, sample
+from mgjax.core.shown import made_of
 from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, extend, sample_walk
@@ -82,7 +83,8 @@ def walk_motion(
     if warp is None:
         return sample_walk(graph, walk, times)
     captured = Walk(edges=walk.edges, scales=np.ones(len(walk.edges)))
-    return replace(sample_walk(graph, captured, warp.at(times)), frame_rate=EXPORT_RATE)
+    motion = replace(sample_walk(graph, captured, warp.at(times)), frame_rate=EXPORT_RATE)
+    return made_of(motion, graph.skeleton)
 
 
 def sphere_trajectory(

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
-from mgjax.avoidance.attacks.batch import FRAME_BUCKET, SPHERE_BUCKET, empty_attack_batch
+from mgjax.avoidance.attacks.batch import (
+    FRAME_BUCKET,
+    SPHERE_BUCKET,
+    AttackBatch,
+    empty_attack_batch,
+)
 from mgjax.avoidance.body.poses import PosedGraph
 from mgjax.avoidance.candidates.batch import (
     CANDIDATE_BUCKETS,
     EDGE_BUCKET,
     LONG_CANDIDATE_BUCKETS,
+    CandidateBatch,
     empty_candidate_batch,
 )
 from mgjax.avoidance.checks.bounds import MORE_LANES
@@ -44,33 +52,68 @@ def warm_up(
     Returns:
         How many programs there are.
     """
+    calls = programs(graph, config=config, horizon=horizon, spheres=spheres)
+    for call in calls:
+        call()
+    return len(calls)
+
+
+def programs(
+    graph: MotionGraph | Prepared,
+    *,
+    config: AvoidanceConfig | None = None,
+    horizon: float = 3.0,
+    spheres: int = 1,
+) -> list[Callable[[], object]]:
+    """A call for each program of :func:`warm_up`, which compiles it.
+
+    Those that nearly every attack needs come first: of short walks, then the checks, then of long
+    walks.
+    """
     config = config or AvoidanceConfig()
     prepared = prepared_for(graph, config)
-    device, rate = prepared.device, prepared.graph.frame_rate
-    energy = in_32_bits(config.energy)
     slots = _sizes(SPHERE_BUCKET, 8, spheres)
-    frames = math.ceil(horizon * EXPORT_RATE) + 1
-    programs = 0
+    short: list[Callable[[], object]] = []
+    long: list[Callable[[], object]] = []
     shapes = (
-        (EDGE_BUCKET, FRAME_BUCKET, CANDIDATE_BUCKETS),
-        (4 * EDGE_BUCKET, 32 * FRAME_BUCKET, LONG_CANDIDATE_BUCKETS),
+        (short, EDGE_BUCKET, FRAME_BUCKET, CANDIDATE_BUCKETS),
+        (long, 4 * EDGE_BUCKET, 32 * FRAME_BUCKET, LONG_CANDIDATE_BUCKETS),
     )
-    for length, known, sizes in shapes:
-        for attack_batch in (empty_attack_batch(known, slot) for slot in slots):
+    for calls, length, known, sizes in shapes:
+        for slot in slots:
+            attacks = empty_attack_batch(known, slot)
             for size in (s for k, s in enumerate(sizes) if not k or sizes[k - 1] < config.capacity):
                 walks = empty_candidate_batch(length, size, shared=True)
-                limit = config.limit_scale
-                search_one(device, walks, attack_batch, energy, frame_rate=rate, limit_scale=limit)
-                programs += 1
-            lanes = empty_candidate_batch(length, MORE_LANES, shared=True)
-            scales = np.ones((length, MORE_LANES), np.float32)
-            bound(device, lanes, scales, attack_batch, frame_rate=rate)
-            programs += 1
-    for count in _sizes(CHECK_FRAMES, 4, frames):
-        for slot in slots:
-            _check(prepared.posed, count, slot)
-            programs += 1
-    return programs
+                calls.append(partial(_search, prepared, walks, attacks, config))
+            calls.append(partial(_bound, prepared, length, attacks))
+    frames = math.ceil(horizon * EXPORT_RATE) + 1
+    checks = [
+        partial(_check, prepared.posed, count, slot)
+        for count in _sizes(CHECK_FRAMES, 4, frames)
+        for slot in slots
+    ]
+    return [*short, *checks, *long]
+
+
+def _search(
+    prepared: Prepared, walks: CandidateBatch, attacks: AttackBatch, config: AvoidanceConfig
+) -> None:
+    """One search for nothing."""
+    search_one(
+        prepared.device,
+        walks,
+        attacks,
+        in_32_bits(config.energy),
+        frame_rate=prepared.graph.frame_rate,
+        limit_scale=config.limit_scale,
+    )
+
+
+def _bound(prepared: Prepared, length: int, attacks: AttackBatch) -> None:
+    """Bounds of nothing."""
+    lanes = empty_candidate_batch(length, MORE_LANES, shared=True)
+    scales = np.ones((length, MORE_LANES), np.float32)
+    bound(prepared.device, lanes, scales, attacks, frame_rate=prepared.graph.frame_rate)
 
 
 def _sizes(least: int, factor: int, most: int) -> list[int]:

@@ -15,12 +15,13 @@ from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.avoidance.timing.walk_warps import both_warps, linear_warp
 from mgjax.core.motion import Motion
+from mgjax.core.shown import Shown, made_of
 from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.types import MotionGraph
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Selection(Choice):
+class Selection(Choice, Shown):
     """The answer to an attack: a choice, and its motion.
 
     ``status`` and ``clearance_m`` are those of the motion as it is written; ``walk`` has the scales
@@ -123,4 +124,7 @@ def _write(
         status = Status.AVOIDED if clear else Status.HIT
     values = {field.name: getattr(choice, field.name) for field in fields(choice)}
     values |= {"status": status, "clearance_m": written.clearance, "walk": written.walk}
-    return Selection(**values, warp=form, timing=timing, motion=written.motion, trace=written.trace)
+    selection = Selection(
+        **values, warp=form, timing=timing, motion=written.motion, trace=written.trace
+    )
+    return made_of(selection, prepared.graph, attack)

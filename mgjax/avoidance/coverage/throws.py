@@ -24,6 +24,7 @@ from mgjax.avoidance.config import (
 from mgjax.avoidance.many.attacks import BatchSelection, select_batch
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.core.errors import ConfigError, GraphError
+from mgjax.core.shown import Shown, made_of
 from mgjax.graph.types import MotionGraph
 
 DISTANCE_M = 5.0
@@ -36,7 +37,7 @@ _CHUNK = 1024
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Coverage:
+class Coverage(Shown):
     """Balls thrown at a character at many nodes, and the answers to them.
 
     Attributes:
@@ -144,7 +145,7 @@ def coverage(
             bar.update(len(balls))
     joined = _join(answers)
     kinds, kind_of_part = np.unique(np.array(graph.label_kind), return_inverse=True)
-    return Coverage(
+    result = Coverage(
         directions=angles,
         heights=high,
         arrivals=late,
@@ -159,6 +160,7 @@ def coverage(
         kind=np.where(joined.status == Status.AVOIDED.code, kind_of_part[joined.part], NO_KIND),
         nearest_part=nearest,
     )
+    return made_of(result, graph)
 
 
 def _deal(

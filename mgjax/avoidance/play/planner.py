@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -14,56 +14,16 @@ from mgjax.avoidance.attacks.attack import Attack, validate_attack
 from mgjax.avoidance.attacks.transform import after, in_frame, shifted
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.avoidance.play.answers import Answer, Asked, Found, Thrown, answer_of
 from mgjax.avoidance.play.clocks import Clock, Searches, SimulatedClock, SimulatedSearches, Ticket
 from mgjax.avoidance.play.several_attacks import JointPath, find_path, played_clearance
 from mgjax.avoidance.play.timeline import Timeline
 from mgjax.avoidance.prepared import Prepared, prepared_for
-from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
+from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.core import planar
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.core.motion import Motion
 from mgjax.graph.types import MotionGraph
-
-
-@dataclass(frozen=True, kw_only=True)
-class Answer:
-    """What became of one attack.
-
-    Attributes:
-        number: of the attack, counted from 0.
-        known: when it became known, s on the planner's clock.
-        status: ``superseded``: a later attack came before this one's search had ended. Else by the
-            exact check of what was really played: ``hit`` or ``avoided``.
-        search: how the search ended: as :class:`mgjax.avoidance.choice.choosing.Choice` says, or
-            ``late``: not before the attack was over or a later one superseded it.
-        hit: the exact check of what was played, also for superseded attacks.
-        clearance_m: signed distance of attack and body over what was played since it was known.
-        restarts: how often an edge ended before the search.
-        waited: seconds from its becoming known until a frame noticed the search's end, or None.
-    """
-
-    number: int
-    known: float
-    status: Literal["avoided", "hit", "superseded"]
-    search: Status | Literal["late"]
-    hit: bool
-    clearance_m: float
-    restarts: int
-    waited: float | None
-
-
-@dataclass(eq=False)
-class _Thrown:
-    """An attack under way, in the world."""
-
-    number: int
-    known: float
-    attack: Attack
-    search: Status | Literal["late"] = "late"
-    superseded: bool = False
-    restarts: int = 0
-    waited: float | None = None
-    check: Ticket | None = field(default=None, repr=False)
 
 
 class Planner:
@@ -99,8 +59,11 @@ class Planner:
         searches: where searches run; default: simulated, without latency.
         config: settings of the search.
         seed: of the edges that are drawn, and of the first node.
-        node: where the body stands at 0 s; default: drawn.
+        node: where the body stands at the beginning; default: drawn.
         start: its planar frame in the world; default: at the origin, heading +Z.
+        begin: the beginning, s on the clock.
+        on_found: told of every search that ends in time, from within :meth:`frame`,
+            :meth:`advance` or :meth:`attack`.
     """
 
     def __init__(
@@ -113,7 +76,10 @@ class Planner:
         seed: int = 0,
         node: int | None = None,
         start: Float[np.ndarray, "3"] | None = None,
+        begin: float = 0.0,
+        on_found: Callable[[Found], None] | None = None,
     ) -> None:
+        self._on_found = on_found
         self._clock: Clock = clock or SimulatedClock()
         self._searches: Searches = searches or SimulatedSearches()
         self._config = config or AvoidanceConfig()
@@ -124,13 +90,13 @@ class Planner:
         first = int(self._rng.integers(graph.num_nodes)) if node is None else node
         if not 0 <= first < graph.num_nodes:
             raise ConfigError(f"got node {first}, expected 0 … {graph.num_nodes - 1}")
-        self.timeline = Timeline(graph, first, start)
+        self.timeline = Timeline(graph, first, start, begin)
         self.answers: list[Answer] = []
         self.attacks = 0
         self._plan: deque[tuple[int, float]] = deque()
-        self._under_way: list[_Thrown] = []
-        self._pending: tuple[_Thrown, Ticket, float] | None = None
-        self._advance(0.0)
+        self._under_way: list[Thrown] = []
+        self._pending: tuple[Thrown, Ticket, float] | None = None
+        self._advance(begin)
 
     def frame(self, when: float | None = None) -> Motion:
         """The pose at ``when`` seconds, default now, in the world, as a motion of one frame.
@@ -140,6 +106,24 @@ class Planner:
         now = float(self._clock.now() if when is None else when)
         self._advance(now)
         return self.timeline.sample(np.array([now]))
+
+    def advance(self) -> float:
+        """Decides all that has to be known by now.
+
+        Returns:
+            Until when ``timeline`` is final, s; never earlier than now.
+        """
+        self._advance(float(self._clock.now()))
+        return self.timeline.deadline
+
+    def configure(self, config: AvoidanceConfig) -> None:
+        """Searches that begin from now on have these settings.
+
+        Raises:
+            ConfigError: a setting out of range, or one that the graph is not prepared for.
+        """
+        self._prepared = prepared_for(self._prepared, config)
+        self._config = config
 
     def attack(self, attack: Attack) -> int:
         """Makes an attack known now; returns its number.
@@ -157,7 +141,7 @@ class Planner:
         left = after(attack, now)
         if attack.end <= now or not len(left.radii):
             raise AttackError(f"got an attack that is over at {now:g} s, expected one under way")
-        thrown = _Thrown(number=self.attacks, known=now, attack=left)
+        thrown = Thrown(number=self.attacks, known=now, attack=left)
         self.attacks += 1
         if self._pending is not None:
             before, ticket, _ = self._pending
@@ -229,11 +213,13 @@ class Planner:
             self._decide()
         self._begin_search(thrown, now)
 
-    def _begin_search(self, thrown: _Thrown, now: float) -> None:
+    def _begin_search(self, thrown: Thrown, now: float) -> None:
         """Hands in a search for the end of the decided edges, unless the attack is over by then."""
         self._pending = None
         line = self.timeline
         if thrown.attack.end <= line.end:
+            if thrown.asked is None:
+                thrown.search = "committed"
             return
         place = line.frame_at_end()
         others = [
@@ -248,14 +234,18 @@ class Planner:
             start=np.asarray(planar.compose(planar.inverse(place), begun.start)),
         )
         attack = in_frame(thrown.attack, place, line.end)
+        thrown.asked = Asked(node=line.node, place=place, begins=line.end, attack=attack)
         call = partial(find_path, self._prepared, line.node, attack, others, self._config, rest)
         self._pending = (thrown, self._searches.submit(now, call), now)
 
-    def _accept(self, thrown: _Thrown, path: JointPath, now: float) -> None:
+    def _accept(self, thrown: Thrown, path: JointPath, now: float) -> None:
         thrown.search, thrown.waited = path.status, now - thrown.known
         if path.walk is not None and (path.status == Status.AVOIDED or not self._plan):
             walk = path.walk
             self._plan = deque(zip(walk.edges.tolist(), walk.scales.tolist(), strict=True))
+        if self._on_found is not None:
+            assert thrown.asked is not None
+            self._on_found(Found(number=thrown.number, path=path, asked=thrown.asked))
 
     def _collect(self, now: float, *, wait: bool = False) -> None:
         """Has attacks that are over checked, and answers those whose check has ended."""
@@ -267,26 +257,12 @@ class Planner:
             if thrown.check is None or not (wait or thrown.check.done(now)):
                 left.append(thrown)
             else:
-                self.answers.append(_answer(thrown, thrown.check.result()))
+                self.answers.append(answer_of(thrown, thrown.check.result()))
         self._under_way = left
 
-    def _check(self, thrown: _Thrown, now: float) -> Ticket:
+    def _check(self, thrown: Thrown, now: float) -> Ticket:
         """Hands in the exact check of what was played while the attack was there."""
         since = max(thrown.known, thrown.attack.start)
         piece = self.timeline.between(since - 1 / EXPORT_RATE, thrown.attack.end + 1 / EXPORT_RATE)
         call = partial(played_clearance, self._graph, piece, thrown.attack, since)
         return self._searches.submit(now, call, search=False)
-
-
-def _answer(thrown: _Thrown, gap: float) -> Answer:
-    hit = gap < CLEAR_M
-    return Answer(
-        number=thrown.number,
-        known=thrown.known,
-        status="superseded" if thrown.superseded else "hit" if hit else "avoided",
-        search=thrown.search,
-        hit=hit,
-        clearance_m=gap,
-        restarts=thrown.restarts,
-        waited=thrown.waited,
-    )

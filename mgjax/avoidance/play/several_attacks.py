@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -14,7 +15,7 @@ from mgjax.avoidance.checks.fast import clearance_between
 from mgjax.avoidance.checks.written import clearance, sphere_trajectory
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import continue_clear
-from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.energy.evaluate import judge
@@ -35,11 +36,15 @@ class JointPath:
             ``hit`` also if it reaches the body before the path can begin.
         walk: what to play; None if nothing avoids better than any other walk.
         joint: whether the walk is clear of the other attacks, too.
+        choice: the answer to the newest attack alone; None if it is in the body already.
+        seconds: how long the search took.
     """
 
     status: Status
     walk: Walk | None
     joint: bool
+    choice: Choice | None = None
+    seconds: float = 0.0
 
 
 def find_path(
@@ -65,6 +70,19 @@ def find_path(
         rest: what is still played until the path begins, in the same frame, and since when (a time
             before 0).
     """
+    begin = time.perf_counter()
+    path = _find_path(prepared, node, attack, others, config, rest)
+    return replace(path, seconds=time.perf_counter() - begin)
+
+
+def _find_path(
+    prepared: Prepared,
+    node: int,
+    attack: Attack,
+    others: Sequence[Attack],
+    config: AvoidanceConfig,
+    rest: Piece,
+) -> JointPath:
     begun = in_frame(attack, rest.start, rest.begins)
     touched = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
     try:
@@ -73,13 +91,13 @@ def find_path(
         return JointPath(status=Status.HIT, walk=None, joint=False)
     status = Status.HIT if touched else chosen.status
     if chosen.status == Status.NO_CANDIDATE:
-        return JointPath(status=status, walk=None, joint=False)
+        return JointPath(status=status, walk=None, joint=False, choice=chosen)
     joint = _clear(prepared, chosen.walk, others)
     if chosen.status == Status.AVOIDED and not joint:
         walk = _clear_of_all(prepared, node, attack, others, config)
         if walk is not None:
-            return JointPath(status=status, walk=walk, joint=True)
-    return JointPath(status=status, walk=chosen.walk, joint=joint)
+            return JointPath(status=status, walk=walk, joint=True, choice=chosen)
+    return JointPath(status=status, walk=chosen.walk, joint=joint, choice=chosen)
 
 
 def _clear(prepared: Prepared, walk: Walk, attacks: Sequence[Attack]) -> bool:

@@ -39,19 +39,24 @@ class Timeline:
 
     Args:
         graph: a motion graph.
-        node: where the body stands at 0 s.
+        node: where the body stands at the beginning.
         start: its planar frame in the world; default: at the origin, heading +Z.
+        begin: the beginning, s.
     """
 
     def __init__(
-        self, graph: MotionGraph, node: int, start: Float[np.ndarray, "3"] | None = None
+        self,
+        graph: MotionGraph,
+        node: int,
+        start: Float[np.ndarray, "3"] | None = None,
+        begin: float = 0.0,
     ) -> None:
         self.graph = graph
         self.node = node
         self.start = np.zeros(3) if start is None else np.asarray(start, dtype=np.float64)
         self.edges: list[int] = []
         self.scales: list[float] = []
-        self.starts = [0.0]
+        self.starts = [begin]
         inverse = np.asarray(planar.inverse(graph.node_plane[node].astype(np.float64)))
         self._places = [tuple(float(v) for v in planar.compose(self.start, inverse))]
 
@@ -64,7 +69,7 @@ class Timeline:
     def deadline(self) -> float:
         """When the edge after the last has to be known, s."""
         if not self.edges:
-            return 0.0
+            return self.end
         return self.end - self.scales[-1] / self.graph.frame_rate
 
     def append(self, edge: int, scale: float = 1.0) -> None:

@@ -18,11 +18,12 @@ from mgjax.ballsport.scene.types import THROWN_IN, BallFlight, Choose, Touch
 from mgjax.clips.folder import load_clips
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion
+from mgjax.core.shown import Shown, made_of
 from mgjax.core.skeleton import Skeleton
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Scene:
+class Scene(Shown):
     """Everything that happens; all motion has one length and begins at time 0.
 
     Attributes:
@@ -122,7 +123,8 @@ def finish_scene(rally: Rally) -> Scene:
     seams: dict[str, np.ndarray] = {}
     for name, actor in rally.actors.items():
         motion, blends = actor.motion(len(ball.places))
-        motions[name] = look_at(moves.clips.skeleton, motion, ball.places)
+        looking = look_at(moves.clips.skeleton, motion, ball.places)
+        motions[name] = made_of(looking, moves.clips.skeleton)
         seams[name] = blends / rate
     return Scene(
         config=config,

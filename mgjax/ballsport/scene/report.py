@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from mgjax.ballsport.aiming.solve import OK, STATUS_TEXT
+from mgjax.ballsport.ball.physics import Net
 from mgjax.ballsport.config import hit_bone
 from mgjax.ballsport.scene.build import Scene
 from mgjax.ballsport.scene.kick import kick_change
@@ -49,6 +50,8 @@ def scene_json(scene: Scene) -> dict[str, Any]:
     return {
         "seconds": len(scene.ball.places) / scene.frame_rate,
         "frame_rate": scene.frame_rate,
+        "ball_radius_m": float(scene.config.physics.radius),
+        "net": None if scene.config.net is None else _net_json(scene.config.net),
         "passes_made": len(done),
         "passes_missed": len(passes) - len(done),
         "mean_kick_change": float(np.mean(changes)) if changes else 0.0,
@@ -70,6 +73,10 @@ def scene_json(scene: Scene) -> dict[str, Any]:
         ],
         "notes": list(scene.moves.clips.notes),
     }
+
+
+def _net_json(net: Net) -> dict[str, float]:
+    return {name: float(getattr(net, name)) for name in ("x", "z", "heading", "height")}
 
 
 def _is_pass(scene: Scene, flight: BallFlight) -> bool:

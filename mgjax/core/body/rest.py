@@ -15,6 +15,7 @@ from jaxtyping import Float
 from mgjax.core import quaternion
 from mgjax.core.body.roles import SIDED, find_roles
 from mgjax.core.motion import Motion
+from mgjax.core.shown import made_of
 from mgjax.core.skeleton import Skeleton, rest_positions
 
 STANDS = 0.8
@@ -54,11 +55,12 @@ class NewRest:
         if moving is not None:
             moving = np.asarray(quaternion.rotate(above, np.asarray(moving, np.float64)))
             moving = moving.astype(np.float32)
-        return replace(
+        poses = replace(
             motion,
             local_rotations=np.asarray(turned).astype(np.float32),
             joint_offsets=moving,
         )
+        return made_of(poses, self.skeleton)
 
 
 def standing_rest(skeleton: Skeleton) -> NewRest | None:

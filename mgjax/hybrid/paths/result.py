@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float
 from mgjax.core import planar
 from mgjax.core.kinematics import global_positions, planar_frames
 from mgjax.core.motion import Motion
+from mgjax.core.shown import Shown, made_of
 from mgjax.graph.plants import foot_slide, walk_plants
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk, sample_walk
@@ -84,7 +85,7 @@ def place_pieces(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PathResult:
+class PathResult(Shown):
     """A walk along a path.
 
     Attributes:
@@ -170,7 +171,7 @@ def measure_walk(
     track = track_of(graph, motion, track.blend[:frames])
     plants = walk_plants(graph, prepared.plants, edges[:kept], frames + 1)
     slide, share = foot_slide(graph.skeleton, motion, plants)
-    return PathResult(
+    result = PathResult(
         status=status,
         walk=walk,
         start=start,
@@ -188,6 +189,7 @@ def measure_walk(
         slide_share=share,
         **counts,
     )
+    return made_of(result, graph, sketch)
 
 
 def _until_lost(track: Track, curve: Curve, frames: int) -> tuple[int, float]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion
+from mgjax.core.shown import Shown
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.body.capsules import arm_clearance
 from mgjax.hybrid.ik.limbs import find_limb
@@ -50,7 +51,7 @@ class Reached:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ReachResult:
+class ReachResult(Shown):
     """A walk with reaches.
 
     Attributes:

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core.motion import Motion, sample
+from mgjax.core.shown import made_of
 from mgjax.graph.plants import foot_slide
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import make_walk
@@ -89,16 +90,17 @@ def reach(
         for number, target in enumerate(targets)
     ]
     plants = sampled.plants[np.round(played.frames).astype(int)]
-    return ReachResult(
+    result = ReachResult(
         walked=walked,
-        motion=motion,
-        plain=plain,
+        motion=made_of(motion, graph.skeleton),
+        plain=made_of(plain, graph.skeleton),
         targets=tuple(rows),
         fastest_deg_s=fastest_turn(motion, plain),
         fastest_plain_deg_s=float(turn_speeds(plain).max()),
         slide=foot_slide(graph.skeleton, motion, plants)[0],
         solve_s=time.perf_counter() - begun,
     )
+    return made_of(result, graph, sketch)
 
 
 def _extended(

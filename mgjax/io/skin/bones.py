@@ -56,6 +56,18 @@ class Capsule:
     width: float = 1.0
     depth: float = 1.0
 
+    def frame(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Unit vectors along the axis, sideways and in the third direction, right-handed."""
+        axis = self.end - self.start
+        length = np.linalg.norm(axis)
+        axis = axis / length if length > 1e-9 else np.array([0.0, 1.0, 0.0])
+        across = self.side - axis * (self.side @ axis)
+        if np.linalg.norm(across) < 0.1:
+            across = np.eye(3)[int(np.argmin(np.abs(axis)))]
+            across = across - axis * (across @ axis)
+        across = across / np.linalg.norm(across)
+        return axis, across, np.cross(axis, across)
+
 
 def body_capsules(skeleton: Skeleton) -> list[Capsule]:
     """Capsules along all bones in the rest pose whose root stands at the origin.

@@ -68,7 +68,7 @@ def _surface(capsule: Capsule) -> tuple[np.ndarray, np.ndarray]:
     The surface between two balls touches both where its normal has one elevation over the plane
     square to the axis: sin e = (r₀ − r₁) / length.
     """
-    axis, across, over = _frame(capsule)
+    axis, across, over = capsule.frame()
     length = float(np.linalg.norm(capsule.end - capsule.start))
     first, last = capsule.radii
     ratio = (first - last) / length if length > 1e-9 else 0.0
@@ -91,19 +91,6 @@ def _surface(capsule: Capsule) -> tuple[np.ndarray, np.ndarray]:
         return np.concatenate([values[0, :1], values[1:-1].reshape(-1, 3), values[-1, :1]])
 
     return flat(vertices), flat(normals)
-
-
-def _frame(capsule: Capsule) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Axis, sideways and the third direction, right-handed."""
-    axis = capsule.end - capsule.start
-    length = np.linalg.norm(axis)
-    axis = axis / length if length > 1e-9 else np.array([0.0, 1.0, 0.0])
-    across = capsule.side - axis * (capsule.side @ axis)
-    if np.linalg.norm(across) < 0.1:
-        across = np.eye(3)[int(np.argmin(np.abs(axis)))]
-        across = across - axis * (across @ axis)
-    across = across / np.linalg.norm(across)
-    return axis, across, np.cross(axis, across)
 
 
 def _triangles() -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 Message = dict[str, Any]
 Send = Callable[[Message], None]
@@ -12,6 +12,7 @@ Progress = Callable[[float, str], None]
 """Told how much is done, 0 … 1, and what is being done now, in a few words."""
 
 
+@runtime_checkable
 class Session(Protocol):
     """One tab. All methods are called from the worker's main thread, never at the same time."""
 
@@ -34,6 +35,7 @@ class Session(Protocol):
         ...
 
 
+@runtime_checkable
 class App(Protocol):
     """What all tabs share."""
 

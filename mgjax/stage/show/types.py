@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Literal
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Integer
 
 Colour = Literal["blue", "orange", "green", "purple", "red", "yellow", "sky", "grey"]
 """Names of the page's palette, which stays apart for the colour-blind, light and dark."""
@@ -30,19 +30,19 @@ class BodyMesh:
         triangles: counter-clockwise from outside. [T,3]
     """
 
-    places: Int[np.ndarray, "V 3"]
+    places: Integer[np.ndarray, "V 3"]
     unit: float
-    normals: Int[np.ndarray, "V 3"]
-    joints: Int[np.ndarray, "V 4"]
-    weights: Int[np.ndarray, "V 4"]
-    triangles: Int[np.ndarray, "T 3"]
+    normals: Integer[np.ndarray, "V 3"]
+    joints: Integer[np.ndarray, "V 4"]
+    weights: Integer[np.ndarray, "V 4"]
+    triangles: Integer[np.ndarray, "T 3"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Body:
     """A skeleton with its surface; the actors of a show share bodies."""
 
-    parents: Int[np.ndarray, " J"]
+    parents: Integer[np.ndarray, " J"]
     offsets: Float[np.ndarray, "J 3"]
     names: Sequence[str]
     mesh: BodyMesh
@@ -63,7 +63,7 @@ class Frames:
 
     rate: float
     start: float
-    rotations: Int[np.ndarray, "F J 4"]
+    rotations: Integer[np.ndarray, "F J 4"]
     root: Float[np.ndarray, "F 3"]
     delta: bool = False
 

@@ -1,0 +1,120 @@
+"""All candidates of an attack, with what each is worth and why it was taken or not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.choice.search import STATUS, search_candidates
+from mgjax.avoidance.choice.start import ask
+from mgjax.avoidance.choice.verify import bounded, bounds_of, verify
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.energy.score import ROWS, Energy
+from mgjax.avoidance.prepared import Prepared, prepared_for
+from mgjax.avoidance.timing.time_scale import NOT_ADJUSTABLE, OK
+from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import Walk, make_walk
+
+Outcome = Literal["clear", "hit", "not adjustable", "time scale", "unchecked"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Explained:
+    """A candidate and its fate.
+
+    Attributes:
+        number: among the candidates that satisfy eq. 1, from 0.
+        rank: place in the order of energy, from 0; None where it cannot be timed.
+        part: the avoidance part it is meant for.
+        outcome: ``clear`` or ``hit`` by the exact check; ``not adjustable``: no edge may change its
+            speed as needed; ``time scale``: out of range; ``unchecked``: beyond those asked for.
+        walk: the path, with what follows it where it was checked, at the scales of eq. 3.
+        path_length: edges of the path itself.
+        time_scale: s_time; None where it cannot be timed.
+        energy: what it is worth; None where it cannot be timed.
+        clearance_m: signed distance of attack and body; None where it was not checked.
+    """
+
+    number: int
+    rank: int | None
+    part: int
+    outcome: Outcome
+    walk: Walk
+    path_length: int
+    time_scale: float | None
+    energy: Energy | None
+    clearance_m: float | None
+
+
+def explain(
+    graph: MotionGraph | Prepared,
+    node: int,
+    attack: Attack,
+    *,
+    config: AvoidanceConfig | None = None,
+    checked: int = 16,
+) -> list[Explained]:
+    """Every candidate of an attack: what it is worth, and whether it stays clear.
+
+    Without slices and index: they only leave candidates out. The first in the list that is
+    ``clear`` is what :func:`mgjax.avoidance.choose` takes.
+
+    Args:
+        graph, node, attack, config: see :func:`mgjax.avoidance.select`.
+        checked: how many are checked exactly, in the order of their energy.
+
+    Returns:
+        In the order of energy, then those that cannot be timed. None at all if the attack never
+        comes near, or no avoidance part comes at the right time.
+
+    Raises:
+        AttackError, ConfigError: as :func:`mgjax.avoidance.select`.
+    """
+    config = config or AvoidanceConfig()
+    prepared = prepared_for(graph, config)
+    query = ask(prepared, node, attack, config)
+    if query is None or not len(query.in_time.length):
+        return []
+    candidates = query.in_time
+    padded, result = search_candidates(query, candidates)
+    table, scales = np.asarray(result.table), np.asarray(result.scales)
+    count = len(candidates.length)
+    order = [int(n) for n in np.asarray(result.order) if n < count]
+    verdicts = {}
+    timed = np.array([n for n in order if table[STATUS, n] == OK][:checked], np.int64)
+    for numbers, bounds in bounds_of(query, timed, padded, scales):
+        for lane in bounded(numbers, bounds, padded):
+            verdicts[lane.number] = verify(query, lane)
+    rows: list[Explained] = []
+    for rank, number in enumerate(order):
+        length = int(candidates.length[number])
+        edges = candidates.edges[number, :length]
+        fit = table[STATUS, number] == OK
+        verdict = verdicts.get(number)
+        if verdict is not None:
+            outcome: Outcome = "clear" if verdict.clear else "hit"
+        elif fit:
+            outcome = "unchecked"
+        else:
+            out = table[STATUS, number] != NOT_ADJUSTABLE
+            outcome = "time scale" if out else "not adjustable"
+        values = dict(zip(ROWS, table[:STATUS, number].tolist(), strict=True))
+        time_scale = values.pop("s_time")
+        plain = make_walk(prepared.graph, edges, scales[:length, number] if fit else None)
+        rows.append(
+            Explained(
+                number=number,
+                rank=rank if fit else None,
+                part=int(candidates.part[number]),
+                outcome=outcome,
+                walk=plain if verdict is None else verdict.played.walk,
+                path_length=length,
+                time_scale=time_scale if fit else None,
+                energy=Energy(**values) if fit else None,
+                clearance_m=None if verdict is None else float(verdict.played.clearance),
+            )
+        )
+    return rows

@@ -1,0 +1,99 @@
+"""What became of attacks: searches that ended, and the checks of what was played."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.play.clocks import Ticket
+from mgjax.avoidance.play.several_attacks import JointPath
+from mgjax.avoidance.rates import CLEAR_M
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Asked:
+    """What a search was asked.
+
+    Attributes:
+        node: where the path is to begin.
+        place: planar frame of the body there, in the world. [3]
+        begins: when it begins, s on the planner's clock.
+        attack: in that frame, its times counted from then.
+    """
+
+    node: int
+    place: Float[np.ndarray, "3"]
+    begins: float
+    attack: Attack
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Found:
+    """A search that ended in time: of which attack, what was asked, and the path found."""
+
+    number: int
+    asked: Asked
+    path: JointPath
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What became of one attack.
+
+    Attributes:
+        number: of the attack, counted from 0.
+        known: when it became known, s on the planner's clock.
+        status: ``superseded``: a later attack came before this one's search had ended. Else by the
+            exact check of what was really played: ``hit`` or ``avoided``.
+        search: how the search ended: as :class:`mgjax.avoidance.choice.choosing.Choice` says, or
+            ``late``: not before the attack was over or a later one superseded it; ``committed``:
+            there was none, as the attack is over before what is being played can be left.
+        hit: the exact check of what was played, also for superseded attacks.
+        clearance_m: signed distance of attack and body over what was played since it was known.
+        restarts: how often an edge ended before the search.
+        waited: seconds from its becoming known until a frame noticed the search's end, or None.
+    """
+
+    number: int
+    known: float
+    status: Literal["avoided", "hit", "superseded"]
+    search: Status | Literal["late", "committed"]
+    hit: bool
+    clearance_m: float
+    restarts: int
+    waited: float | None
+
+
+@dataclass(eq=False)
+class Thrown:
+    """An attack under way, in the world."""
+
+    number: int
+    known: float
+    attack: Attack
+    search: Status | Literal["late", "committed"] = "late"
+    superseded: bool = False
+    restarts: int = 0
+    waited: float | None = None
+    check: Ticket | None = field(default=None, repr=False)
+    asked: Asked | None = field(default=None, repr=False)
+
+
+def answer_of(thrown: Thrown, gap: float) -> Answer:
+    """The answer to an attack, by how near it came to what was played, m."""
+    hit = gap < CLEAR_M
+    return Answer(
+        number=thrown.number,
+        known=thrown.known,
+        status="superseded" if thrown.superseded else "hit" if hit else "avoided",
+        search=thrown.search,
+        hit=hit,
+        clearance_m=gap,
+        restarts=thrown.restarts,
+        waited=thrown.waited,
+    )

@@ -1,0 +1,38 @@
+"""Commands on motion files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import tyro
+
+from mgjax.cli.arguments.shared import KnownReading, Reading
+
+
+@dataclass(frozen=True, kw_only=True)
+class Info(Reading):
+    """Describe motion files: skeleton, frames, rate, unit, axes, body, oddities."""
+
+    files: tyro.conf.Positional[tuple[Path, ...]] = ()
+    """Motion files, or folders of them."""
+    roles: tuple[Path, ...] | None = None
+    """Show what is what of the body, with --out as a picture; a TOML file says it better."""
+    out: Path | None = None
+    """Folder for info.json and the pictures."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Convert(KnownReading):
+    """Write a motion in another format: .bvh, .glb, .vrma, .usd, .usda, .usdc, .npz or .csv."""
+
+    file: tyro.conf.Positional[Path]
+    """BVH, GLB or NPZ file (also of AMASS), or AMC file with its ASF beside it; or a folder."""
+    out: Path
+    """File to write; its suffix says in which format. Of a folder: the folder to write to."""
+    to: str | None = None
+    """Suffix of the files to write, where a folder is read with all folders below it."""
+    frame_rate: float | None = None
+    """Frames per second to write, with poses in between interpolated; default: as captured."""
+    body_model: Path | None = None
+    """NPZ file of the SMPL body whose motion an AMASS file has; default: rough proportions."""

@@ -1,0 +1,1 @@
+"""Clips, their labels and the graph made of them, seen and edited in the browser."""

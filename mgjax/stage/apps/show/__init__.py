@@ -1,0 +1,1 @@
+"""Show: a result as it was written."""

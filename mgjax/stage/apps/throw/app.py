@@ -1,0 +1,86 @@
+"""The application: a graph, compiled ahead, and a session for each tab."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+
+from mgjax.avoidance.choice.compile_ahead import programs
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.prepared import Prepared, prepare
+from mgjax.clips.synthetic import synthetic_clips
+from mgjax.core.errors import GraphError
+from mgjax.graph.build import build_graph
+from mgjax.graph.config import GraphConfig
+from mgjax.graph.files import load_graph
+from mgjax.graph.types import MotionGraph
+from mgjax.stage.apps.throw.session import ThrowSession
+from mgjax.stage.apps.throw.warm import warm_session
+from mgjax.stage.serve.options import Options
+from mgjax.stage.serve.session import Progress, Send
+from mgjax.stage.show.body import body_of
+
+THRESHOLD_M = 0.05
+"""Largest distance of a transition of the embedded clips, as in ``mgjax demo``."""
+_SOON = 0.6
+"""Share of the programs that are compiled before the page is ready; the others follow at once."""
+
+
+def make_app(options: Options) -> ThrowApp:
+    """The application behind ``mgjax view throw``."""
+    return ThrowApp(options)
+
+
+class ThrowApp:
+    """What all tabs share: the graph and what was prepared of it."""
+
+    def __init__(self, options: Options) -> None:
+        self._options = options
+        self._prepared: Prepared | None = None
+        self._opened = 0
+        self._stop = threading.Event()
+
+    def prepare(self, progress: Progress) -> None:
+        """Loads or builds the graph, and compiles what throws need."""
+        progress(0.05, "reading the motion graph")
+        graph = self._graph()
+        progress(0.15, "making the body")
+        body_of(graph.skeleton)
+        progress(0.25, "preparing the search")
+        prepared = self._prepared = prepare(graph, AvoidanceConfig())
+        calls = programs(prepared)
+        soon = int(np.ceil(_SOON * len(calls)))
+        for done, call in enumerate(calls[:soon]):
+            progress(0.35 + 0.55 * done / soon, f"compiling {done + 1} of {soon}")
+            call()
+        progress(0.92, "a first throw")
+        warm_session(prepared)
+
+        def later() -> None:
+            for call in calls[soon:]:
+                if self._stop.is_set():
+                    return
+                call()
+
+        threading.Thread(target=later, daemon=True, name="mgjax-compile").start()
+
+    def open(self, send: Send) -> ThrowSession:
+        assert self._prepared is not None
+        self._opened += 1
+        return ThrowSession(self._prepared, send, seed=self._opened)
+
+    def close(self) -> None:
+        self._stop.set()
+
+    def _graph(self) -> MotionGraph:
+        if self._options.graph is None:
+            clips, labels = synthetic_clips()
+            return build_graph(clips, labels=labels, config=GraphConfig(threshold_m=THRESHOLD_M))
+        graph = load_graph(self._options.graph)
+        if not len(graph.label_kind):
+            raise GraphError(
+                f"{self._options.graph}: got a graph without labelled parts, expected avoidance"
+                " parts to throw balls at (mgjax build --labels FILE)"
+            )
+        return graph

@@ -1,0 +1,72 @@
+/** How finely is drawn: measured times between frames decide, so that slow machines keep up. */
+
+/** From best to plainest: pixels drawn for one of the page, shadow map, its taps, samples. */
+export const LEVELS = [
+  { scale: 1, shadow: 2048, taps: 9, samples: 4 },
+  { scale: 1, shadow: 1024, taps: 9, samples: 0 },
+  { scale: 0.8, shadow: 1024, taps: 1, samples: 0 },
+  { scale: 0.66, shadow: 512, taps: 1, samples: 0 },
+  { scale: 0.5, shadow: 0, taps: 0, samples: 0 },
+];
+
+const SLOW = 55;
+const QUICK = 24;
+const ENOUGH = 8;
+const PATIENT = 90;
+const BREAK = 600;
+
+/** Watches frames and chooses a level. */
+export function createQuality() {
+  let last = null;
+  let times = [];
+  let patience = PATIENT;
+  let fixed = false;
+  const quality = {
+    level: 0,
+    ms: 0,
+
+    /** Stays at a level; null: chooses again. */
+    fix(level) {
+      fixed = level !== null;
+      if (fixed) quality.level = Math.min(LEVELS.length - 1, Math.max(0, level));
+      times = [];
+    },
+
+    get now() { return LEVELS[quality.level]; },
+
+    /**
+     * A frame that was drawn at `now` (ms).
+     * @param {boolean} running the frame before it asked for this one, so the time between the
+     *   two tells how long drawing takes
+     * @returns {boolean} whether the level has changed
+     */
+    frame(now, running) {
+      const spent = last === null ? 0 : now - last;
+      last = now;
+      if (!running || spent > BREAK || spent <= 0) return false;
+      quality.ms = quality.ms ? quality.ms * 0.9 + spent * 0.1 : spent;
+      if (fixed) return false;
+      times.push(spent);
+      if (times.length >= ENOUGH && median(times.slice(-ENOUGH)) > SLOW) return quality.change(1);
+      if (times.length >= patience && median(times.slice(-patience)) < QUICK) return quality.change(-1);
+      if (times.length > 2 * patience) times = times.slice(-patience);
+      return false;
+    },
+
+    /** To a plainer level (1) or a better one (−1). After each time it got too slow it waits longer. */
+    change(by) {
+      const next = Math.min(LEVELS.length - 1, Math.max(0, quality.level + by));
+      times = [];
+      if (by > 0) patience = Math.min(1800, patience * 2);
+      if (next === quality.level) return false;
+      quality.level = next;
+      return true;
+    },
+  };
+  return quality;
+}
+
+function median(values) {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted[sorted.length >> 1];
+}

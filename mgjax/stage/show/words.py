@@ -1,0 +1,42 @@
+"""What came of an attack, in words and bars; the same from objects and from files."""
+
+from __future__ import annotations
+
+from mgjax.stage.show.types import Bar
+
+DROPPED = {
+    "culled": "dropped: culled by slices",
+    "not_adjustable": "dropped: no edge may change its speed",
+    "time_scale": "dropped: time scale out of range",
+    "hit": "dropped: touched by the attack",
+    "overflow": "dropped: not judged",
+}
+"""Why candidates are dropped, by the field that counts them."""
+_NEAR_M = 2.0
+"""Farther away nobody cares how far."""
+
+
+def avoided_words(status: str, kind: str | None, clearance_m: float | None) -> str:
+    """One sentence.
+
+    Args:
+        status: ``avoided``, ``hit`` or ``no_candidate``.
+        kind: of the avoidance, such as ``duck``; None without one.
+        clearance_m: from the attack to the body, negative where it is hit.
+    """
+    if status == "no_candidate" or kind is None or clearance_m is None:
+        return "no candidate: no avoidance part comes at the right time"
+    if status == "hit":
+        return f"hit, {-100 * clearance_m:.0f} cm deep, in spite of {kind}"
+    near = f"{100 * clearance_m:.0f} cm"
+    far = f"more than {_NEAR_M:g} m" if clearance_m > _NEAR_M else near
+    return f"avoided by {kind}, {far} clear"
+
+
+def energy_bars(avoidance: float, body: float, time_scale: float) -> list[Bar]:
+    """The energies of a choice, each of at most 1."""
+    return [
+        Bar(name="avoidance", value=avoidance, colour="blue"),
+        Bar(name="body", value=body, colour="orange"),
+        Bar(name="time scale", value=time_scale, colour="green"),
+    ]
