@@ -139,11 +139,9 @@ _RANGES: Ranges = {
 }
 """Smallest and largest value of each setting that is a number."""
 
-_LENGTHS = ("crop_radius_m", "crop_height_m")
-"""Settings of an adult, which are other bodies' by their size; with those of ``_SPEEDS`` and, in
-m·s, for times stay, ``_ENERGIES``."""
 _SPEEDS = ("V_fast", "V_slow", "V_still")
 _ENERGIES = ("E_avoidance", "D_body")
+"""In m·s and m: times stay."""
 
 
 def for_body(config: AvoidanceConfig, scale: float) -> AvoidanceConfig:
@@ -153,8 +151,12 @@ def for_body(config: AvoidanceConfig, scale: float) -> AvoidanceConfig:
         config: the settings as a user writes them.
         scale: of the body; see :func:`mgjax.core.body.height.body_scale`.
     """
-    return replace(
-        sized(config, _LENGTHS, scale),
+    if scale == 1:
+        return config
+    return replace(  # all at once: searches call this for every attack
+        config,
+        crop_radius_m=scale * config.crop_radius_m,
+        crop_height_m=scale * config.crop_height_m,
         energy=sized(config.energy, _ENERGIES, scale),
         speed=sized(config.speed, _SPEEDS, scale),
     )

@@ -14,6 +14,7 @@ import pytest
 from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.transform import of_size
 from mgjax.avoidance.choice.choosing import choose
+from mgjax.avoidance.choice.search import search_one
 from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import HEIGHTS_M, AvoidanceConfig
 from mgjax.avoidance.coverage.report import report
@@ -84,12 +85,16 @@ def test_the_same_choices(made_graph, other_graph, size, form):
     config = AvoidanceConfig()
     config = replace(config, energy=replace(config.energy, form=form, E_avoidance=0.1))
     here, there = prepare(made_graph, config), prepare(other_graph, config)
-    statuses = set()
-    for node, ball in zip(*thrown(made_graph), strict=True):
-        want = choose(here, node, ball, config=config)
+    nodes, balls = thrown(made_graph)
+    wanted = [
+        choose(here, node, ball, config=config) for node, ball in zip(nodes, balls, strict=True)
+    ]
+    programs = search_one._cache_size()
+    for node, ball, want in zip(nodes, balls, wanted, strict=True):
         got = choose(there, node, of_size(ball, size), config=config)
         assert_same_choice(got, want, size)
-        statuses.add(str(want.status))
+    assert search_one._cache_size() == programs  # sizes are numbers: nothing is compiled anew
+    statuses = {str(want.status) for want in wanted}
     assert "avoided" in statuses
     assert len(statuses) > 1
 
