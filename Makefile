@@ -12,13 +12,16 @@ CORE := $(VENV)/.core-$(VERSION)
 DEV := $(VENV)/.dev-$(VERSION)
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: help demo test test-long lint dist clean
+.PHONY: help demo view test test-browser test-long browser pictures lint dist clean
 
 help:
 	@echo "make demo       throw balls at a character made of the embedded clips (out/demo)"
+	@echo "make view       throw balls yourself, in the browser"
 	@echo "make test       run the tests"
+	@echo "make test-browser  run those that need a browser (make browser installs one on Debian)"
 	@echo "make test-long  run those that take minutes"
 	@echo "make lint       ruff, pyright, import-linter"
+	@echo "make pictures   make the pictures of README.md anew (experiments/pictures)"
 	@echo "make dist       build the wheel and the source archive (dist)"
 	@echo "make clean      remove $(VENV), out and dist"
 	@echo "PYTHON=python3.12 chooses the Python"
@@ -40,8 +43,23 @@ $(DEV): $(ENV) pyproject.toml
 demo: $(CORE)
 	$(BIN)/mgjax demo --out out/demo
 
+view: $(CORE)
+	$(BIN)/mgjax view
+
 test: $(DEV)
 	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
+
+# Each file in one process, since its tests share a running page.
+test-browser: $(DEV)
+	$(BIN)/python -m pytest -m browser --numprocesses 2 --dist loadfile tests/stage/browser
+
+SUDO := $(if $(filter 0,$(shell id -u)),,sudo)
+browser:
+	@test -x /usr/bin/chromium || { $(SUDO) apt-get update -qq && \
+	$(SUDO) apt-get install -qq -y --no-install-recommends chromium fonts-dejavu-core >/dev/null; }
+
+pictures: $(DEV)
+	$(BIN)/python -m experiments.pictures.make
 
 test-long: $(DEV)
 	$(BIN)/python -m pytest -m long

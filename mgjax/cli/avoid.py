@@ -25,6 +25,7 @@ from mgjax.io.bvh.write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.io.toml_file import load_config
 from mgjax.pictures.throws import Throw, scene_picture
+from mgjax.stage.html import save_html
 
 
 def run(command: Avoid) -> None:
@@ -44,6 +45,8 @@ def run(command: Avoid) -> None:
         save_bvh(folder / "motion.bvh", graph.skeleton, selection.motion)
         write_volumes(folder / "volumes.npz", graph, attack, selection)
         scene_picture(folder / "scene.png", graph, [Throw(attack=attack, selection=selection)])
+        if command.html:
+            save_html(folder / "index.html", selection)
     emit(result, [describe(graph, selection), f"written to {command.out}"], as_json=command.json)
 
 

@@ -15,9 +15,14 @@ from mgjax.clips.folder import load_clips
 from mgjax.clips.labels import load_labels
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
+from mgjax.graph.walk import random_walk
 from mgjax.io.load import load_motion
 from mgjax.io.output import output_folder
 from mgjax.io.toml_file import load_config
+from mgjax.stage.html import save_html
+
+WALK_S = 20.0
+"""How long the walk on the page lasts."""
 
 
 def run(command: Build) -> None:
@@ -51,6 +56,9 @@ def run(command: Build) -> None:
         result = write_graph_folder(
             folder, graph, begin=begin, index=not command.no_index, progress=progress
         )
+        if command.html:
+            walk = random_walk(graph, int(graph.edge_source[0]), WALK_S, 0)
+            save_html(folder / "index.html", walk, title="A random walk")
     emit(result, _lines(result, str(command.out)), as_json=command.json)
 
 

@@ -18,6 +18,10 @@ from mgjax.io.load import load_motion
 from mgjax.io.output import output_folder
 from mgjax.io.reading.read_as import ReadAs
 from mgjax.io.save import check_suffix, save_motion
+from mgjax.stage.html import save_html
+
+PAGE = ".html"
+"""A page that plays the motion."""
 
 
 def run(command: Convert) -> None:
@@ -31,7 +35,7 @@ def run(command: Convert) -> None:
     if command.to is not None:
         expected = "a folder to read where --to is given"
         raise ConfigError(got=f"--to {command.to} and no folder", expected=expected)
-    check_suffix(command.out)
+    _suffix(command.out)
     if model is not None and not is_amass(command.file):
         expected = "a file of AMASS where --body-model is given"
         raise FileFormatError(command.file, None, "another kind of file", expected)
@@ -46,7 +50,7 @@ def _convert_folder(command: Convert) -> None:
     if command.to is None:
         expected = "the suffix to write, such as --to .glb"
         raise ConfigError(got="a folder without --to", expected=expected, place=place)
-    suffix = check_suffix(f"motion.{command.to.removeprefix('.')}")
+    suffix = _suffix(f"motion.{command.to.removeprefix('.')}")
     targets: dict[Path, tuple[Path, ReadAs]] = {}
     for path, known in files_of((command.file,)):
         target = command.out / path.relative_to(command.file).with_suffix(suffix)
@@ -66,6 +70,12 @@ def _convert_folder(command: Convert) -> None:
     emit({"files": files}, [_line(file, file["out"]) for file in files], as_json=command.json)
 
 
+def _suffix(path: str | Path) -> str:
+    """The suffix of a file to be written, if it can be."""
+    suffix = Path(path).suffix.lower()
+    return suffix if suffix == PAGE else check_suffix(path)
+
+
 def _convert(command: Convert, source: Path, known: ReadAs, target: Path) -> dict[str, Any]:
     """Converts one file; returns what is told of it."""
     rate = command.frame_rate
@@ -77,7 +87,10 @@ def _convert(command: Convert, source: Path, known: ReadAs, target: Path) -> dic
     skeleton, motion = load_motion(source, read_as=read_as)
     if rate is not None:
         motion = resample(motion, rate)
-    save_motion(target, skeleton, motion)
+    if _suffix(target) == PAGE:
+        save_html(target, (skeleton, motion), title=source.name)
+    else:
+        save_motion(target, skeleton, motion)
     return {
         "file": str(source),
         "format": target.suffix.lower().removeprefix("."),

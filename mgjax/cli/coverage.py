@@ -19,6 +19,7 @@ from mgjax.graph.types import MotionGraph
 from mgjax.io.output import output_folder
 from mgjax.io.toml_file import load_config
 from mgjax.pictures.coverage import coverage_picture
+from mgjax.stage.html import save_html
 
 LISTED = 4
 """Regions and stretches of clips that are printed; coverage.json has all."""
@@ -46,6 +47,8 @@ def run(command: commands.Coverage) -> None:
         (folder / "coverage.json").write_text(to_json(result) + "\n")
         write_arrays(folder / "coverage.npz", graph, found)
         coverage_picture(folder / "coverage.png", graph, found)
+        if command.html:
+            save_html(folder / "index.html", found)
     emit(result, [*describe(result), f"written to {command.out}"], as_json=command.json)
 
 

@@ -18,6 +18,7 @@ from mgjax.core.errors import ConfigError, MgjaxError
 from mgjax.io.load import read_capture
 from mgjax.io.output import output_folder
 from mgjax.io.reading.capture import Capture
+from mgjax.stage.html import save_html
 
 
 def run(command: Info) -> None:
@@ -33,6 +34,7 @@ def run(command: Info) -> None:
     lines: list[str] = []
     bad: list[MgjaxError] = []
     captures: list[tuple[Path, Capture]] = []
+    played: list[tuple[Path, Capture]] = []
     found = files_of(files_said)
     hidden = not (sys.stderr.isatty() and len(found) > 20)
     for path, known in tqdm(found, desc="reading", unit="clip", disable=hidden, leave=False):
@@ -48,9 +50,13 @@ def run(command: Info) -> None:
         lines += description_lines(row, show_roles=show_roles)
         if show_roles:
             captures.append((path, capture))
+        if command.html:
+            played.append((path, capture))
     if len(bad) == len(files):
         raise all_of(bad, len(files))
     result = {"files": files}
+    if command.html and command.out is None:
+        raise ConfigError(got="--html without --out", expected="--out DIR for the pages")
     if command.out is not None:
         with output_folder(command.out) as folder:
             (folder / "info.json").write_text(to_json(result) + "\n")
@@ -59,9 +65,19 @@ def run(command: Info) -> None:
 
                 name = path.stem if len(captures) == 1 else f"{number:03d}_{path.stem}"
                 draw_body(folder / f"{name}_body.png", capture.skeleton, capture.motion)
+            for name, (path, capture) in _named(played).items():
+                thing = (capture.skeleton, capture.motion)
+                save_html(folder / name, thing, title=path.name)
     emit(result, lines, as_json=command.json)
     if bad:
         raise all_of(bad, len(files))
+
+
+def _named(played: list[tuple[Path, Capture]]) -> dict[str, tuple[Path, Capture]]:
+    """Pages by their names: ``index.html`` where there is one file."""
+    if len(played) == 1:
+        return {"index.html": played[0]}
+    return {f"{i:03d}_{path.stem}.html": (path, x) for i, (path, x) in enumerate(played)}
 
 
 def _told_apart(command: Info) -> tuple[tuple[Path, ...], Path | None]:

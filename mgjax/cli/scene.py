@@ -21,6 +21,7 @@ from mgjax.io.bvh.write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.pictures.scene import scene_picture
 from mgjax.sensor.receiver import SensorReceiver
+from mgjax.stage.html import save_html
 
 
 def run(command: Scene) -> None:
@@ -36,6 +37,8 @@ def run(command: Scene) -> None:
         (folder / "ball.csv").write_text(csv_text(scene.ball, scene.frame_rate))
         (folder / "timeline.json").write_text(to_json(result) + "\n")
         scene_picture(folder / "scene.png", scene)
+        if command.html:
+            save_html(folder / "index.html", scene)
     emit(result, [describe(result), f"written to {command.out}"], as_json=command.json)
 
 

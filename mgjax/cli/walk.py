@@ -24,6 +24,7 @@ from mgjax.io.bvh.write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.io.toml_file import load_config, read_toml
 from mgjax.pictures.walk import walk_picture
+from mgjax.stage.html import save_html
 
 
 def run(command: Walk) -> None:
@@ -56,6 +57,8 @@ def run(command: Walk) -> None:
         (folder / "result.json").write_text(to_json(result) + "\n")
         save_bvh(folder / "motion.bvh", graph.skeleton, motion)
         walk_picture(folder / "walk.png", graph, sketch, walked, reached)
+        if command.html:
+            save_html(folder / "index.html", walked if reached is None else reached)
     emit(result, [*lines, f"written to {command.out}"], as_json=command.json)
 
 

@@ -38,6 +38,8 @@ class Build(KnownReading):
     """TOML file of graph settings."""
     no_index: bool = False
     """Leave out the grid index, from which candidates of an avoidance are looked up."""
+    html: bool = False
+    """Also write index.html, a page that plays a random walk over the graph."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +50,8 @@ class Coverage(Output):
     """Folder of a graph with labelled avoidance parts."""
     out: Path
     """Folder for coverage.json, coverage.npz and coverage.png."""
+    html: bool = False
+    """Also write index.html, a page that shows it in space, offline."""
     directions: int = avoidance.DIRECTIONS
     """How many directions balls come from, all around."""
     nodes: int = avoidance.NODES

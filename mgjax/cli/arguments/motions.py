@@ -20,11 +20,13 @@ class Info(Reading):
     """Show what is what of the body, with --out as a picture; a TOML file says it better."""
     out: Path | None = None
     """Folder for info.json and the pictures."""
+    html: bool = False
+    """Also write to --out a page for each file that plays it offline in any browser."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Convert(KnownReading):
-    """Write a motion in another format: .bvh, .glb, .vrma, .usd, .usda, .usdc, .npz or .csv."""
+    """Write a motion in another format: BVH, GLB, VRMA, USD, NPZ, CSV, or .html, which plays it."""
 
     file: tyro.conf.Positional[Path]
     """BVH, GLB or NPZ file (also of AMASS), or AMC file with its ASF beside it; or a folder."""

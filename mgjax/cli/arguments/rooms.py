@@ -35,6 +35,8 @@ class Avoid(Output):
     """The ball falls; otherwise it flies straight."""
     radius: float = avoidance.BALL_RADIUS_M
     """Radius of the ball, m."""
+    html: bool = False
+    """Also write index.html, a page that plays it offline in any browser."""
     node: int | None = None
     """Where the character stands in the graph; default: drawn by the seed."""
     seed: int = 0
@@ -63,6 +65,8 @@ class Walk(Output):
     """Branch and bound, or only the best partial walks; default: exact."""
     seconds: float | None = None
     """Time limit of the search, s; then the best walk so far is taken."""
+    html: bool = False
+    """Also write index.html, a page that plays it offline in any browser."""
     config: Path | None = None
     """TOML file of settings of the search."""
 
@@ -75,6 +79,8 @@ class Scene(Output):
     """TOML file of the scene: players, passes, court."""
     out: Path
     """Folder for one BVH file per player, ball.csv, timeline.json and scene.png."""
+    html: bool = False
+    """Also write index.html, a page that plays it offline in any browser."""
     live: float | None = None
     """Seconds to listen to a motion sensor: each kick decides the next pass of kind any."""
     host: str = HOST
@@ -88,8 +94,10 @@ class Demo(Output):
     """Throw balls at a character made of the embedded clips."""
 
     out: Path = Path("out/demo")
-    """Folder for motion.bvh, result.json and scene.png."""
+    """Folder for index.html, motion.bvh, result.json and scene.png."""
     balls: int = 5
     """How many."""
     seed: int = 0
     """Draws clips, places and throws."""
+    no_browser: bool = False
+    """Do not open index.html, where there is a display."""

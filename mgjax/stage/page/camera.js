@@ -9,7 +9,8 @@ const FOV = (42 * Math.PI) / 180;
 const LOWEST = 0.03;
 const HIGHEST = 1.5;
 const SETTLE = 0.12;
-const FILLED = 0.86;
+const FILLED = 0.82;
+const NEAREST = 1.6;
 
 /** Angles in radians, lengths in metres, pixels of the page. */
 export function createCamera() {
@@ -63,18 +64,25 @@ export function createCamera() {
       return true;
     },
 
-    /** Stands, looking the same way, so that a box (m) fills most of the picture. */
-    frame(low, high) {
+    /** Stands, looking the same way, so that places (m) fill most of the picture. */
+    frame(places) {
       const { arm, right, up, tall, wide } = axes();
-      const centre = scale(add(low, high), 0.5);
-      let distance = 1.6;
-      for (let corner = 0; corner < 8; corner += 1) {
-        const at = [0, 1, 2].map((k) => ((corner >> k) & 1 ? high[k] : low[k]) - centre[k]);
-        const [x, y, z] = [Math.abs(dot(at, right)), Math.abs(dot(at, up)), dot(at, arm)];
-        distance = Math.max(distance, z + x / (wide * FILLED), z + y / (tall * FILLED));
+      const [low, high] = [Math.min, Math.max].map((most) => (
+        [0, 1, 2].map((k) => most(...places.map((place) => place[k])))));
+      let target = scale(add(low, high), 0.5);
+      let distance = 2 * length(subtract(high, low)) + 2;
+      for (let step = 0; step < 6; step += 1) {
+        const seen = places.map((place) => {
+          const at = subtract(place, target);
+          const away = Math.max(0.3, distance - dot(at, arm));
+          return [dot(at, right) / (away * wide), dot(at, up) / (away * tall)];
+        });
+        const [x, y] = [0, 1].map((k) => spread(seen.map((point) => point[k])));
+        target = add(target, scale(right, x.middle * distance * wide));
+        target = add(target, scale(up, y.middle * distance * tall));
+        distance = clamp((distance * Math.max(x.half, y.half)) / FILLED, NEAREST, 100);
       }
-      camera.target = centre;
-      camera.distance = Math.min(distance, 100);
+      Object.assign(camera, { target, distance });
     },
 
     /** The ray through a pixel: from the eye, unit direction. */
@@ -82,6 +90,12 @@ export function createCamera() {
       const { left, right, up } = camera.edges();
       const to = add(mix(left, right, x / camera.width), scale(up, 1 - (2 * y) / camera.height));
       return { from: camera.eye, to: normalize(to) };
+    },
+
+    /** Pixels of one metre at a place. */
+    pixelsAt(place) {
+      const away = Math.max(0.1, dot(subtract(camera.eye, place), axes().arm));
+      return camera.height / (2 * Math.tan(FOV / 2) * away);
     },
 
     /** Directions to the middles of the left and right edge, and from the middle to the upper. */
@@ -112,6 +126,11 @@ export function createCamera() {
 
   camera.update(1, 1);
   return camera;
+}
+
+function spread(values) {
+  const [low, high] = [Math.min(...values), Math.max(...values)];
+  return { middle: (low + high) / 2, half: (high - low) / 2 };
 }
 
 /** From the target to the eye, unit. */

@@ -8,9 +8,7 @@ const NEAR_PIXELS = 9;
 
 /** Ends of the three axis handles of a thing: [{axis, from, to}], m; they keep their size in pixels. */
 export function handlesOf(thing, camera) {
-  const away = Math.hypot(...subtract(thing.place, camera.eye));
-  const metres = (ARM_PIXELS * 2 * away * Math.tan((21 * Math.PI) / 180)) / camera.height;
-  const size = metres + (thing.end ? 0 : thing.radius ?? 0.05);
+  const size = ARM_PIXELS / camera.pixelsAt(thing.place) + (thing.end ? 0 : thing.radius ?? 0.05);
   return Object.entries(AXES).map(([axis, way]) => (
     { axis, from: thing.place, to: add(thing.place, scale(way, size)) }));
 }

@@ -25,7 +25,7 @@ export const THEMES = {
   dark: {
     floor: shade('#23282E'), fine: shade('#2A3037'), metre: shade('#3D454E'),
     haze: shade('#15181C'), above: shade('#1D2228'),
-    sky: 0.50, ground: 0.24, sun: 0.70, shadow: 0.55,
+    sky: 0.50, ground: 0.24, sun: 0.70, shadow: 0.46,
     text: '#E8ECF0', plate: 'rgba(28,33,38,0.88)', edge: 'rgba(255,255,255,0.16)',
   },
 };

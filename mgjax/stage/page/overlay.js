@@ -3,7 +3,7 @@
 import { armOf } from './camera.js';
 import { handlesOf } from './gizmo.js';
 import { PALETTE } from './look.js';
-import { cross, dot, normalize } from './math.js';
+import { clamp, cross, dot, normalize } from './math.js';
 
 const FONT = '13px system-ui, sans-serif';
 const HIGH = 22;
@@ -14,7 +14,7 @@ const AXIS_COLOURS = { x: PALETTE.red, y: PALETTE.green, z: PALETTE.blue };
 /**
  * Draws over a picture.
  * @param {CanvasRenderingContext2D} paper in pixels of the page
- * @param {object} view camera, theme, labels [{text, place, colour}], taken: boxes of the page that
+ * @param {object} view camera, theme, labels of content.js `labelsOf`, taken: boxes of the page that
  *   labels keep clear of, [{left, top, wide, high}], handles: a thing or null, held: the axis
  *   under the pointer
  */
@@ -28,24 +28,29 @@ export function drawOverlay(paper, { camera, theme, labels, taken = [], handles,
 }
 
 function drawLabels(paper, camera, theme, labels, taken) {
+  const placed = [];
   for (const label of labels) {
     const at = camera.project(label.place);
     if (!at) continue;
     const [x, y] = at;
     if (x < -20 || x > camera.width + 20 || y < -20 || y > camera.height + 20) continue;
-    const box = boxFor(paper, camera, label.text, x, y);
+    const box = boxFor(paper, camera, label, x, y);
     settle(box, taken, camera);
     taken.push(box);
-    drawLabel(paper, theme, label, box, at);
+    placed.push([label, box, at]);
   }
+  for (const each of placed) drawPointer(paper, ...each);
+  for (const [label, box] of placed) drawLabel(paper, theme, label, box);
 }
 
-function boxFor(paper, camera, text, x, y) {
-  const most = camera.width - 2 * MARGIN;
-  const wide = Math.min(most, paper.measureText(text).width + 16);
-  const left = Math.min(camera.width - MARGIN - wide, Math.max(MARGIN, x - wide / 2));
-  const top = Math.min(camera.height - MARGIN - HIGH, Math.max(MARGIN, y - HIGH - 4));
-  return { left, top, wide, high: HIGH };
+function boxFor(paper, camera, { text, place, aside }, x, y) {
+  const wide = Math.min(camera.width - 2 * MARGIN, paper.measureText(text).width + 16);
+  const beside = aside === undefined ? null : x + camera.pixelsAt(place) * aside + 8;
+  const wanted = beside === null ? [x - wide / 2, y - HIGH - 4] : [beside, y - HIGH / 2];
+  const left = clamp(wanted[0], MARGIN, camera.width - MARGIN - wide);
+  const top = clamp(wanted[1], MARGIN, camera.height - MARGIN - HIGH);
+  const moved = Math.hypot(left - wanted[0], top - wanted[1]);
+  return { left, top, wide, high: HIGH, moved };
 }
 
 /** Moves a box to the nearest place where it covers no other; rather aside or up than down. */
@@ -67,19 +72,23 @@ function settle(box, taken, camera) {
       if ((!best || cost(place) < cost(best)) && inside(place) && !meets(place)) best = place;
     }
   }
+  if (!best) return;
+  box.moved += Math.hypot(best.left - box.left, best.top - box.top);
   Object.assign(box, best);
 }
 
-function drawLabel(paper, theme, { text, colour }, { left, top, wide }, [x, y]) {
-  const middle = Math.min(left + wide - 8, Math.max(left + 8, x));
-  if (Math.abs(top + HIGH + 4 - y) > 6 || middle !== x) {
-    paper.strokeStyle = theme.edge;
-    paper.lineWidth = 1;
-    paper.beginPath();
-    paper.moveTo(middle, y < top ? top : top + HIGH);
-    paper.lineTo(x, y);
-    paper.stroke();
-  }
+/** A line from a label that had to move to what it names. */
+function drawPointer(paper, { colour }, { left, top, wide, moved }, [x, y]) {
+  if (moved <= 6) return;
+  paper.strokeStyle = PALETTE[colour] ?? PALETTE.grey;
+  paper.lineWidth = 1;
+  paper.beginPath();
+  paper.moveTo(clamp(x, left + 8, left + wide - 8), clamp(y, top, top + HIGH));
+  paper.lineTo(x, y);
+  paper.stroke();
+}
+
+function drawLabel(paper, theme, { text, colour }, { left, top, wide }) {
   paper.beginPath();
   paper.roundRect(left, top, wide, HIGH, 6);
   paper.fillStyle = theme.plate;

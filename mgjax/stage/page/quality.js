@@ -15,14 +15,21 @@ const ENOUGH = 8;
 const PATIENT = 90;
 const BREAK = 600;
 
+/** The level to begin with: a processor that draws by itself cannot have the best. */
+export function firstLevel(gl) {
+  const names = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : '';
+  return /swiftshader|llvmpipe|software/i.test(name) ? 1 : 0;
+}
+
 /** Watches frames and chooses a level. */
-export function createQuality() {
+export function createQuality(level = 0) {
   let last = null;
   let times = [];
   let patience = PATIENT;
   let fixed = false;
   const quality = {
-    level: 0,
+    level,
     ms: 0,
 
     /** Stays at a level; null: chooses again. */
@@ -36,8 +43,8 @@ export function createQuality() {
 
     /**
      * A frame that was drawn at `now` (ms).
-     * @param {boolean} running the frame before it asked for this one, so the time between the
-     *   two tells how long drawing takes
+     * @param {boolean} running the one before it was drawn, too, so the time between the two tells
+     *   how long drawing takes
      * @returns {boolean} whether the level has changed
      */
     frame(now, running) {

@@ -9,7 +9,7 @@ import { drawOverlay } from './overlay.js';
 import { asPicture, boxesOver, clearPaper, makePaper } from './paper.js';
 import { bodyAt, floorAt } from './pick.js';
 import { listen } from './pointer.js';
-import { createQuality, LEVELS } from './quality.js';
+import { createQuality, firstLevel, LEVELS } from './quality.js';
 import { createScene } from './scene.js';
 
 const SMOOTH_SECONDS = 0.8;
@@ -28,14 +28,14 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
   let renderer = createRenderer(gl);
   const scene = createScene();
   const camera = createCamera();
-  const quality = createQuality();
+  const quality = createQuality(firstLevel(gl));
   const paper = makePaper(canvas);
   const heard = { frame: [], click: [], floor: [], thing: [], tick: [] };
   const tell = (name, what) => [...heard[name]].forEach((callback) => callback(what));
   const hands = createHands(scene, camera, tell);
   const state = {
     time: 0, dark, follow: null, offset: [0, 0, 0], posed: false, dirty: true, request: 0,
-    last: 0, running: false, gone: false, over: [],
+    last: 0, drawn: false, gone: false, over: [],
   };
 
   function hear(name, callback) {
@@ -62,12 +62,14 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
     for (const tick of [...heard.tick]) more = tick(now) || more;
     lead();
     if (camera.step(seconds, false)) [state.dirty, more] = [true, true];
-    if (state.dirty && draw(quality.now)) {
-      if (quality.frame(now, state.running)) [state.dirty, more] = [true, true];
+    const drawn = state.dirty && draw(quality.now);
+    if (drawn) {
+      state.dirty = quality.frame(now, state.drawn);
       tell('frame', now);
     }
-    state.running = more;
-    if (more) wake(false);
+    state.drawn = drawn;
+    // One more after each that was drawn, so that whoever draws all the time misses none.
+    if (more || drawn) wake(false);
   }
 
   function pose() {
@@ -100,18 +102,17 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
     const view = { camera, theme, width, height, ratio, quality: { shadow, taps, samples } };
     renderer.draw(view, scene.drawn(state.time, camera.eye));
     clearPaper(paper, wide, high);
-    const labels = labelsOf(scene);
+    const labels = labelsOf(scene, hands.shown?.id);
     const taken = boxesOver(canvas, state.over);
     drawOverlay(paper, { camera, theme, labels, taken, handles: hands.shown, held: hands.axis });
     return true;
   }
 
-  /** The camera stands so that a box is in the picture. */
-  function frameBox(id) {
+  /** The camera stands so that everything, or one actor, is in the picture. */
+  function frameContent(id) {
     pose();
-    const { low, high } = content(scene, id);
     camera.update(canvas.clientWidth, canvas.clientHeight);
-    camera.frame(low, high);
+    camera.frame(content(scene, id));
     state.offset = [0, 0, 0];
     wake();
   }
@@ -173,8 +174,8 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
     },
 
     /** The camera stands so that all of the show is in the picture, or (frameOn) one actor. */
-    frameAll: () => frameBox(null),
-    frameOn: (id) => frameBox(id),
+    frameAll: () => frameContent(null),
+    frameOn: (id) => frameContent(id),
 
     ray: (x, y) => camera.ray(x, y),
     /** @returns {number[] | null} */

@@ -19,6 +19,7 @@ from typing import Any
 
 from mgjax.core.errors import MgjaxError
 from mgjax.stage.packet import pack
+from mgjax.stage.serve.film import Film
 from mgjax.stage.serve.options import from_text
 from mgjax.stage.serve.session import App, Message, Session
 from mgjax.stage.serve.wire import ALL, Kind, frame, read_frame
@@ -37,6 +38,7 @@ class Worker:
         self._writing = threading.Lock()
         self._inbox: queue.SimpleQueue[tuple[int, Kind, bytes] | None] = queue.SimpleQueue()
         self._sessions: dict[int, Session] = {}
+        self._films: dict[int, Film] = {}
         self._ended = False
 
     def run(self) -> None:
@@ -51,8 +53,8 @@ class Worker:
             while self._turn():
                 pass
         finally:
-            for session in self._sessions.values():
-                session.close()
+            for each in (*self._sessions.values(), *self._films.values()):
+                each.close()
             self._app.close()
 
     def state(self, message: Message) -> None:
@@ -107,12 +109,22 @@ class Worker:
         if kind == Kind.OPEN:
             self._guarded(tab, lambda: self._open(tab))
         elif kind == Kind.CLOSE:
-            session = self._sessions.pop(tab, None)
-            if session is not None:
-                session.close()
+            session, film = self._sessions.pop(tab, None), self._films.pop(tab, None)
+            for each in (session, film):
+                if each is not None:
+                    each.close()
         elif tab in self._sessions:
-            session = self._sessions[tab]
-            self._guarded(tab, lambda: session.receive(_message(payload)))
+            self._guarded(tab, lambda: self._receive(tab, _message(payload)))
+
+    def _receive(self, tab: int, message: Message) -> None:
+        """A message for a session, or a frame of a film, which every application takes."""
+        if message["type"] != "film":
+            self._sessions[tab].receive(message)
+            return
+        made = self._films.setdefault(tab, Film()).receive(message)
+        self._send(tab, {"type": "filmed", "frame": message["frame"]})
+        if made is not None:
+            self._send(tab, made)
 
     def _open(self, tab: int) -> None:
         self._sessions[tab] = self._app.open(lambda message: self._send(tab, message))

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -18,7 +19,7 @@ import pytest
 
 import mgjax.stage
 from mgjax.stage.packet import pack
-from mgjax.stage.show.types import Show, show_value
+from mgjax.stage.show.types import show_value
 
 PAGE = Path(mgjax.stage.__file__).parent / "page"
 CHROMIUM = "/usr/bin/chromium"
@@ -32,6 +33,13 @@ ARGUMENTS = (
     "--enable-unsafe-swiftshader",
 )
 SIZE = {"width": 640, "height": 400}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """All tests of this folder need a browser."""
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker(pytest.mark.browser)
 
 
 def _absent(reason: str) -> None:
@@ -110,9 +118,9 @@ def served() -> Iterator[Served]:
     server.close()
 
 
-@pytest.fixture
-def open_page(chromium: Any, served: Served) -> Iterator[Callable[..., Any]]:
-    """Opens addresses in new tabs; an error in any of them fails the test at its end."""
+@contextmanager
+def _tabs(chromium: Any) -> Iterator[Callable[..., Any]]:
+    """Opens addresses in new tabs; an error in any of them fails at the end."""
     # What a test waits for is evaluated; one test goes without, so that the policy is tried.
     context = chromium.new_context(viewport=SIZE, bypass_csp=True)
     troubles: list[str] = []
@@ -139,6 +147,13 @@ def open_page(chromium: Any, served: Served) -> Iterator[Callable[..., Any]]:
             page.evaluate("0")
     context.close()
     assert not troubles, "; ".join(troubles)
+
+
+@pytest.fixture
+def open_page(chromium: Any) -> Iterator[Callable[..., Any]]:
+    """Opens addresses in new tabs; an error in any of them fails the test at its end."""
+    with _tabs(chromium) as open_one:
+        yield open_one
 
 
 @pytest.fixture(scope="module")
@@ -213,18 +228,25 @@ window.mgjax = { stage, player };
 """
 
 
+def _bench(served: Served, open_one: Callable[..., Any], show: Any, **size: int) -> Any:
+    served.add("bench.html", "text/html", BENCH)
+    served.add("bench.js", "text/javascript", BENCH_SCRIPT)
+    served.add("show.bin", "application/octet-stream", pack(show_value(show)))
+    page = open_one("about:blank")
+    page.set_viewport_size({**SIZE, **size})
+    page.goto(f"{served.address}/bench.html")
+    page.wait_for_function("window.mgjax && mgjax.stage.camera.width > 1")
+    return page
+
+
 @pytest.fixture
 def bench(open_page: Callable[..., Any], served: Served) -> Callable[..., Any]:
     """A page with a stage and a player of a show, and all modules as ``window.bench``."""
-    served.add("bench.html", "text/html", BENCH)
-    served.add("bench.js", "text/javascript", BENCH_SCRIPT)
+    return partial(_bench, served, open_page)
 
-    def start(show: Show, **size: int) -> Any:
-        served.add("show.bin", "application/octet-stream", pack(show_value(show)))
-        page = open_page("about:blank")
-        page.set_viewport_size({**SIZE, **size})
-        page.goto(f"{served.address}/bench.html")
-        page.wait_for_function("window.mgjax && mgjax.stage.camera.width > 1")
-        return page
 
-    return start
+@pytest.fixture(scope="module")
+def shared_bench(chromium: Any, served: Served) -> Iterator[Callable[..., Any]]:
+    """As ``bench``, for pages that several tests of a module use."""
+    with _tabs(chromium) as open_one:
+        yield partial(_bench, served, open_one)

@@ -137,7 +137,8 @@ def test_a_body_of_three_hundred_joints_is_drawn(bench):
     body["parents"] = np.concatenate([body["parents"], chain])
     body["offsets"] = np.concatenate([body["offsets"], np.zeros((more, 3), np.float32)])
     body["names"] = [*body["names"], *(f"extra{i}" for i in range(more))]
-    body["mesh"]["joints"][body["mesh"]["joints"] == 3] = 299
+    joints = body["mesh"]["joints"].astype(np.uint16)
+    body["mesh"]["joints"] = np.where(joints == 3, 299, joints).astype(np.uint16)
     rotations = show["actors"][0]["frames"]["rotations"]
     still = np.zeros((len(rotations), more, 4), np.int16)
     still[0, :, 0] = 32767

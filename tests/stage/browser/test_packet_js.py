@@ -19,6 +19,11 @@ AGAIN = """bytes => {
 }"""
 
 
+@pytest.fixture(scope="module")
+def page(shared_bench):
+    return shared_bench(show_of())
+
+
 def again(page, value):
     """The value after the page has read and written it."""
     text = page.evaluate(AGAIN, base64.b64encode(pack(value)).decode())
@@ -43,8 +48,7 @@ def same(a, b):
         assert a == b
 
 
-def test_packets_come_back_the_same(bench):
-    page = bench(show_of(actor("duck")))
+def test_packets_come_back_the_same(page):
     arrays = {name: np.arange(7).astype(name).reshape(1, 7) for name in TYPES}
     plain = {"text": "Ä – 球", "none": None, "flag": True, "list": [1, 2.5, -3e-7], "empty": {}}
     nothing = np.zeros((0, 3), np.float32)
@@ -55,8 +59,7 @@ def test_packets_come_back_the_same(bench):
 
 
 @pytest.mark.parametrize("bad", ["", "XXXXXXXXXXXX", "MGS1\x02\x00\x00\x00{}"])
-def test_bytes_that_are_no_packet_are_refused(bench, bad):
-    page = bench(show_of())
+def test_bytes_that_are_no_packet_are_refused(page, bad):
     said = page.evaluate(
         """bad => {
           const data = Uint8Array.from(bad, (c) => c.charCodeAt(0));
@@ -72,8 +75,7 @@ def test_bytes_that_are_no_packet_are_refused(bench, bad):
     assert said
 
 
-def test_numbers_that_are_not_finite_are_not_packed(bench):
-    page = bench(show_of())
+def test_numbers_that_are_not_finite_are_not_packed(page):
     said = page.evaluate(
         """() => {
           try {

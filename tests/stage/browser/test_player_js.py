@@ -13,16 +13,31 @@ def control(page, name):
     return page.locator(f'[data-name="{name}"]')
 
 
-@pytest.fixture
-def page(bench):
+@pytest.fixture(scope="module")
+def tab(shared_bench):
     show = show_of(
         actor("duck"),
         spans=[Span(row="label", start=1, end=2, text="duck", colour="blue")],
         moments=[("hit", 2.5)],
     )
-    page = bench(show)
-    page.evaluate("window.sought = []; mgjax.player.onSeek((time) => sought.push(time)); 0")
-    return page
+    tab = shared_bench(show)
+    tab.evaluate("window.sought = []; mgjax.player.onSeek((time) => sought.push(time)); 0")
+    return tab
+
+
+@pytest.fixture
+def page(tab):
+    tab.evaluate(
+        """() => {
+          const { player } = mgjax;
+          document.activeElement.blur();
+          Object.assign(player, { live: false, speed: 1, loop: true });
+          player.pause();
+          player.seek(0);
+          sought.length = 0;
+        }"""
+    )
+    return tab
 
 
 def test_play_goes_on_in_real_time_and_pause_stops(page):

@@ -13,6 +13,14 @@ CAMERA = """() => {
 }"""
 PUT = """place => mgjax.stage.put('things', {
   id: 'target', shape: 'sphere', place, drag: 'space' })"""
+AFRESH = """() => {
+  const { stage } = mgjax;
+  Object.values(heard).forEach((list) => { list.length = 0; });
+  stage.tool = 'look';
+  stage.setShow({ things: bench.show.things.map((thing) => ({ ...thing })) });
+  Object.assign(stage.camera, { yaw: 0.6, pitch: 0.26, distance: 5, target: [0, 0.8, 0] });
+  stage.snapshot();
+}"""
 LISTEN = """() => {
   window.heard = { click: [], floor: [], thing: [] };
   mgjax.stage.onClick((event) => heard.click.push(event));
@@ -33,16 +41,23 @@ def drag(page, start, ways, *, button="left", modifier=None):
         page.keyboard.up(modifier)
 
 
+@pytest.fixture(scope="module")
+def tab(shared_bench):
+    target = Thing(id="target", shape="sphere", place=(0, 1, 0), radius=0.1, drag="space")
+    post = Thing(
+        id="post", shape="cylinder", place=(1.2, 0, -0.8), end=(1.2, 1, -0.8), radius=0.15,
+        drag="floor",
+    )  # fmt: skip
+    tab = shared_bench(show_of(things=[target, post]))
+    tab.evaluate(LISTEN)
+    return tab
+
+
 @pytest.fixture
-def page(bench):
-    things = [
-        Thing(id="target", shape="sphere", place=(0.0, 1.0, 0.0), radius=0.1, drag="space"),
-        Thing(id="post", shape="cylinder", place=(1.0, 0.0, 1.0), end=(1.0, 1.0, 1.0), radius=0.15,
-              drag="floor"),
-    ]  # fmt: skip
-    page = bench(show_of(things=things))
-    page.evaluate(LISTEN)
-    return page
+def page(tab):
+    tab.mouse.move(5, 5)
+    tab.evaluate(AFRESH)
+    return tab
 
 
 def at(page, place):
@@ -70,7 +85,7 @@ def test_left_turns_right_turns_shift_left_shifts_wheel_zooms(page):
 
 def test_a_click_tells_what_is_there(page):
     page.mouse.click(*at(page, (0, 0, 1.5)))
-    page.mouse.click(*at(page, (1.0, 0.5, 1.0)))
+    page.mouse.click(*at(page, (1.2, 0.5, -0.8)))
     floor, post = page.evaluate("heard.click")
     np.testing.assert_allclose(floor["floor"], (0, 0, 1.5), atol=0.02)
     assert floor["body"] is None
@@ -93,7 +108,7 @@ def test_drawing_arrives_whole(page):
 
 
 def test_a_post_is_moved_over_the_floor(page):
-    drag(page, at(page, (1.0, 0.0, 1.0)), [at(page, (0.5, 0, 1.2)), at(page, (-0.5, 0, 1.5))])
+    drag(page, at(page, (1.2, 0.0, -0.8)), [at(page, (0.5, 0, 1.2)), at(page, (-0.5, 0, 1.5))])
     events = page.evaluate("heard.thing")
     assert [event["phase"] for event in events] == ["start", "move", "move", "end"]
     assert {event["id"] for event in events} == {"post"}

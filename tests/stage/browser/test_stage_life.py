@@ -32,6 +32,12 @@ MANY = """count => {
 }"""
 
 
+@pytest.fixture(scope="module")
+def empty(shared_bench):
+    """A page of a show in which there is nothing."""
+    return shared_bench(show_of())
+
+
 def picture(page, time=None):
     """[H,W,3] of the stage, 0 … 1."""
     url = page.evaluate("time => mgjax.stage.snapshot(time ?? undefined)", time)
@@ -51,9 +57,8 @@ def picture(page, time=None):
         ([16.0, 16.0, 900.0, 16.0] * 30, 0),
     ],
 )
-def test_the_level_follows_the_time_between_frames(bench, times, level):
-    page = bench(show_of())
-    got = page.evaluate(
+def test_the_level_follows_the_time_between_frames(empty, times, level):
+    got = empty.evaluate(
         """times => {
           const quality = bench.quality.createQuality();
           let now = 0;
@@ -82,8 +87,8 @@ def test_a_picture_shows_body_and_shadow_whatever_the_level(bench):
     assert image.shape[1] == page.evaluate("mgjax.stage.canvas.clientWidth")
     orange = (image[..., 0] > 0.5) & (image[..., 2] < 0.35 * image[..., 0])
     assert 0.02 < orange.mean() < 0.5
-    empty = page.evaluate("mgjax.stage.clear('actors')") or picture(page)
-    darker = empty.sum(axis=-1) - image.sum(axis=-1) > 0.3
+    bare = page.evaluate("mgjax.stage.clear('actors')") or picture(page)
+    darker = bare.sum(axis=-1) - image.sum(axis=-1) > 0.3
     assert (darker & ~orange).mean() > 0.002
 
 
@@ -150,11 +155,10 @@ def test_a_hidden_stage_draws_when_it_is_shown(bench):
     page.wait_for_function("window.count > 0")
 
 
-def test_dark_is_darker(bench):
-    page = bench(show_of())
-    light = picture(page).mean()
-    page.evaluate("mgjax.stage.dark = true")
-    assert picture(page).mean() < light - 0.4
+def test_dark_is_darker(empty):
+    light = picture(empty).mean()
+    empty.evaluate("mgjax.stage.dark = true")
+    assert picture(empty).mean() < light - 0.4
 
 
 def test_a_ghost_is_one_surface_through_which_one_sees(bench):

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
+from PIL import Image
+
+from mgjax.io.load import load_motion
 
 WAIT = 60_000
 BODY = """() => {
@@ -149,3 +153,25 @@ def test_the_page_keeps_to_its_policy(chromium: Any, address: str):
     page.locator(OUTCOME, has_text="no throw that is over").wait_for(timeout=WAIT)
     context.close()
     assert not troubles
+
+
+def test_what_is_seen_is_saved(page: Any, tmp_path: Path):
+    throw(page)
+    page.locator("[data-name=save] summary").click()
+    with page.expect_download(timeout=WAIT) as got:
+        page.click("[data-name=picture]")
+    got.value.save_as(tmp_path / "picture.png")
+    with Image.open(tmp_path / "picture.png") as picture:
+        assert picture.size[0] > 100
+    page.click("[data-name=film]")
+    assert "replay something first" in page.text_content("[data-name=saving]")
+    with page.expect_download(timeout=WAIT) as got:
+        page.locator("[data-name=save] button[data-name=motion]").click()
+    got.value.save_as(tmp_path / "motion.bvh")
+    skeleton, motion = load_motion(tmp_path / "motion.bvh")
+    assert motion.num_frames > 10
+    assert skeleton.num_joints > 20
+    with page.expect_download(timeout=WAIT) as got:
+        page.click("[data-name=page]")
+    got.value.save_as(tmp_path / "throw.html")
+    assert "mgjax-payload" in (tmp_path / "throw.html").read_text()

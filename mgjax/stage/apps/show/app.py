@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from mgjax.core.errors import ConfigError
+from mgjax.stage.serve.exports import html_file
+from mgjax.stage.serve.fields import text
 from mgjax.stage.serve.options import Options
 from mgjax.stage.serve.session import Message, Progress, Send
 from mgjax.stage.show.folder import show_of_folder
@@ -30,19 +32,26 @@ class ShowApp:
 
     def open(self, send: Send) -> ShowSession:
         assert self._show is not None
-        send({"type": "ready", "app": "show", "title": self._show.title, "options": {}})
+        options = {"formats": ["html"]}
+        send({"type": "ready", "app": "show", "title": self._show.title, "options": options})
         send({"type": "show", "show": show_value(self._show)})
-        return ShowSession()
+        return ShowSession(self._show, send)
 
     def close(self) -> None:
         self._show = None
 
 
 class ShowSession:
-    """A tab: it plays, and asks for nothing."""
+    """A tab: it plays, and asks for nothing but a page of its own."""
+
+    def __init__(self, show: Show, send: Send) -> None:
+        self._show, self._send = show, send
 
     def receive(self, message: Message) -> None:
-        raise ConfigError(got=f"a message of type {message['type']!r:.40}", expected="none")
+        if message["type"] != "export":
+            raise ConfigError(got=f"a message of type {message['type']!r:.40}", expected="export")
+        text(message, "format", ("html",))
+        self._send(html_file("show", self._show))
 
     def tick(self) -> None:
         return

@@ -35,30 +35,21 @@ class Stretch:
         return self.first + np.arange(max(int(self.seconds * RATE), 2)) / RATE
 
 
-def replay_show(lanes: list[Lane], throws: list[Throw], *, ghosts: bool) -> Show:
-    """One throw at each of some characters, from a little before it to a little after.
+def replay_show(lane: Lane, throw: Throw, *, ghosts: bool) -> Show:
+    """A throw that is over, from a little before it to a little after.
 
     Args:
-        lanes: the characters.
-        throws: at each of them the same throw.
-        ghosts: with the candidates of the first, the best first: clear ones and rejected ones, with
-            the reason over their heads.
+        lane: the character.
+        throw: at it.
+        ghosts: with the candidates, the best first: clear ones and rejected ones, with the reason
+            over their heads.
     """
-    lane, throw = lanes[0], throws[0]
     assert throw.answer is not None, "only what is over can be shown again"
     first = max(throw.attack.start - BEFORE_S, 0.0)
     stretch = Stretch(first=first, seconds=throw.attack.end + AFTER_S - first)
     graph = lane.prepared.graph
-    actors = [
-        Actor(
-            id=each.actor_id,
-            body=0,
-            frames=frames_of(each.planner.timeline.sample(stretch.times)),
-            colour=COLOURS[each.number],
-        )
-        for each in lanes
-    ]
-    balls = [_ball(each, thrown, first) for each, thrown in zip(lanes, throws, strict=True)]
+    frames = frames_of(lane.planner.timeline.sample(stretch.times))
+    actors = [Actor(id=lane.actor_id, body=0, frames=frames, colour=COLOURS[lane.number])]
     spans = [
         Span(
             row="ball",
@@ -81,7 +72,7 @@ def replay_show(lanes: list[Lane], throws: list[Throw], *, ghosts: bool) -> Show
         seconds=stretch.seconds,
         bodies=[body_of(graph.skeleton)],
         actors=actors,
-        balls=balls,
+        balls=[_ball(lane, throw, first)],
         spans=spans,
         notes=notes,
         moments=_moments(throw, first),

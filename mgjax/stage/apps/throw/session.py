@@ -16,8 +16,10 @@ from mgjax.core import planar
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.stage.apps.throw.aim import passing_point, thrown_along, thrown_at_random
 from mgjax.stage.apps.throw.clock import SessionClock
-from mgjax.stage.apps.throw.lane import COLOURS, RATE, Lane, Throw
+from mgjax.stage.apps.throw.lane import RATE, Lane, Throw
 from mgjax.stage.apps.throw.replay import replay_show
+from mgjax.stage.apps.throw.scene import live_show
+from mgjax.stage.apps.throw.series import Series
 from mgjax.stage.apps.throw.settings import (
     START,
     BallSettings,
@@ -25,13 +27,13 @@ from mgjax.stage.apps.throw.settings import (
     with_ball,
     with_search,
 )
-from mgjax.stage.apps.throw.study import LETTERS, Trial, make_trial, pick_line, trial_show
+from mgjax.stage.apps.throw.study import Study
 from mgjax.stage.apps.throw.words import expected, figures, outcome
+from mgjax.stage.serve.exports import FORMATS, html_file, motion_file
 from mgjax.stage.serve.fields import flag, number, point, text, whole
+from mgjax.stage.serve.film import file_message
 from mgjax.stage.serve.session import Message, Send
-from mgjax.stage.show.body import body_of
-from mgjax.stage.show.frames import frames_of
-from mgjax.stage.show.types import Actor, Show, show_value
+from mgjax.stage.show.types import show_value
 
 APART_M = 2.5
 """So far beside the first the second character begins."""
@@ -39,7 +41,8 @@ CLOCK_S = 1.0
 """How often the page is told the time."""
 MOST_UNDER_WAY = 6
 """Balls in the air at once."""
-SERIES = 10
+EXPORT_S = 30.0
+"""So much of what was played is written as a motion."""
 
 
 class ThrowSession:
@@ -72,16 +75,18 @@ class ThrowSession:
         self._told = -1.0
         self._pace = 1.0
         self._aside = False
-        self._series: list[bool] | None = None
-        self._trial: Trial | None = None
-        self._picks: list[str] = []
+        self._series = Series(send)
+        self._study = Study(self._rng)
         self._lanes.append(self._lane(0, np.zeros(3)))
         send(
             {
                 "type": "ready",
                 "app": "throw",
                 "title": "Throw",
-                "options": {"settings": settings_json(self._ball, self._lanes[0].config)},
+                "options": {
+                    "settings": settings_json(self._ball, self._lanes[0].config),
+                    "formats": list(FORMATS),
+                },
             }
         )
         self._show_scene()
@@ -99,6 +104,7 @@ class ThrowSession:
             "compare": self._compare,
             "pick": self._pick,
             "picks": self._download_picks,
+            "export": self._export,
         }
         kind = message["type"]
         if kind not in handlers:
@@ -113,7 +119,8 @@ class ThrowSession:
             lane.tick()
         if now >= self._told + CLOCK_S * max(self._pace, 0.1):
             self._tell_clock()
-        self._go_on_with_series()
+        if self._series.wants_ball(self._lanes[0].busy):
+            self._throw_series_ball()
 
     def close(self) -> None:
         for lane in self._lanes:
@@ -138,31 +145,7 @@ class ThrowSession:
     def _show_scene(self) -> None:
         """The live scene from scratch, as after a replay."""
         now = self._clock.now()
-        actors: list[Actor] = []
-        for lane in self._lanes:
-            lane.tick()
-            final = int(np.floor(lane.planner.timeline.deadline * RATE))
-            first = max(int(np.floor((now - 0.3) * RATE)), 0)
-            times = np.arange(first, max(final, first + 1) + 1) / RATE
-            motion = lane.planner.timeline.sample(times)
-            frames = frames_of(
-                replace(motion, frame_rate=RATE), start=float(times[0]), rate=RATE, delta=False
-            )
-            actors.append(
-                Actor(
-                    id=lane.actor_id,
-                    body=0,
-                    frames=frames,
-                    colour=COLOURS[lane.number],
-                    note="" if len(self._lanes) == 1 else "AB"[lane.number],
-                )
-            )
-        show = Show(
-            title="Throw",
-            seconds=0.0,
-            bodies=[body_of(self._prepared.graph.skeleton)],
-            actors=actors,
-        )
+        show = live_show(self._lanes, now)
         self._send({"type": "note", "event": "scene", "show": show_value(show)})
         for lane in self._lanes:
             for throw in lane.throws:
@@ -183,8 +166,8 @@ class ThrowSession:
             words, tone = outcome(graph, throw.answer, throw.found, throw.contact)
             note |= {"event": "answer", "words": words, "tone": tone}
             note |= {"late": throw.answer.search == "late", "hit": throw.answer.hit}
-            if lane.number == 0 and self._series is not None:
-                self._series.append(not throw.answer.hit)
+            if lane.number == 0:
+                self._series.note(not throw.answer.hit)
         elif throw.found is not None:
             note |= {"event": "found", "words": expected(graph, throw.found), "tone": "busy"}
         if throw.found is not None:
@@ -243,28 +226,7 @@ class ThrowSession:
         self._tell_clock()
 
     def _begin_series(self, message: Message) -> None:
-        if self._series is None:
-            self._series = []
-            self._send({"type": "note", "event": "series", "done": 0, "avoided": 0, "of": SERIES})
-            self._throw_series_ball()
-
-    def _go_on_with_series(self) -> None:
-        """The next ball of a series when the one before is over."""
-        if self._series is None or self._lanes[0].busy:
-            return
-        done = len(self._series)
-        self._send(
-            {
-                "type": "note",
-                "event": "series",
-                "done": done,
-                "avoided": sum(self._series),
-                "of": SERIES,
-            }
-        )
-        if done >= SERIES:
-            self._series = None
-        else:
+        if self._series.begin():
             self._throw_series_ball()
 
     def _throw_series_ball(self) -> None:
@@ -281,16 +243,15 @@ class ThrowSession:
             self._lanes.pop().close()
         self._show_scene()
 
-    def _last_throw(self) -> list[Throw]:
-        """The last throw that is over, at each character that has seen it."""
+    def _last_throw(self) -> Throw:
+        """The last throw at the first character that is over."""
         over = [t for t in self._lanes[0].throws if t.answer is not None]
         if not over:
             raise ConfigError(got="no throw that is over", expected="one: click on the body")
-        return [over[-1]]
+        return over[-1]
 
     def _replay(self, message: Message) -> None:
-        throws = self._last_throw()
-        show = replay_show(self._lanes[:1], throws, ghosts=flag(message, "ghosts"))
+        show = replay_show(self._lanes[0], self._last_throw(), ghosts=flag(message, "ghosts"))
         self._leave()
         self._send({"type": "show", "show": show_value(show)})
 
@@ -302,36 +263,33 @@ class ThrowSession:
 
     def _live(self, message: Message) -> None:
         self._aside = False
-        self._trial = None
+        self._study.give_up()
         self._clock.run(self._pace)
         self._show_scene()
 
     def _compare(self, message: Message) -> None:
-        trial = make_trial(len(self._picks) + 1, self._lanes[0], self._last_throw()[0], self._rng)
-        if trial is None:
-            raise ConfigError(
-                got="a throw with fewer than two clear ways out", expected="another throw"
-            )
-        self._trial = trial
+        show = self._study.ask(self._lanes[0], self._last_throw())
         self._leave()
-        self._send({"type": "show", "show": show_value(trial_show(trial))})
-        letters = list(LETTERS[: len(trial.shown)])
-        self._send({"type": "note", "event": "trial", "letters": letters})
+        self._send({"type": "show", "show": show_value(show)})
+        self._send({"type": "note", "event": "trial", "letters": self._study.letters})
 
     def _pick(self, message: Message) -> None:
-        if self._trial is None:
-            raise ConfigError(got="a pick without a trial", expected="compare first")
-        letter = text(message, "letter", LETTERS[: len(self._trial.shown)])
-        observer = text(message, "observer", most=40)
-        self._picks.append(pick_line(self._trial, letter, observer))
-        agrees = letter == LETTERS[self._trial.chosen]
-        self._trial = None
-        self._send({"type": "note", "event": "picked", "agrees": agrees, "picks": len(self._picks)})
+        self._send({"type": "note", "event": "picked"} | self._study.pick(message))
+
+    def _export(self, message: Message) -> None:
+        """The last throw as a page, or what was played in the last half minute as a motion."""
+        form = text(message, "format", FORMATS)
+        if form == "html":
+            show = replay_show(self._lanes[0], self._last_throw(), ghosts=False)
+            self._send(html_file("throw", show))
+            return
+        now = self._clock.now()
+        times = np.arange(max(now - EXPORT_S, 0.0), now, 1 / RATE)
+        if len(times) < 2:
+            raise ConfigError(got="a motion that has just begun", expected="a moment more")
+        motion = self._lanes[0].planner.timeline.sample(times)
+        skeleton = self._prepared.graph.skeleton
+        self._send(motion_file("motion", form, skeleton, replace(motion, frame_rate=RATE)))
 
     def _download_picks(self, message: Message) -> None:
-        if not self._picks:
-            raise ConfigError(got="no picks", expected="some: compare the ways out of a throw")
-        data = np.frombuffer(("\n".join(self._picks) + "\n").encode(), np.uint8)
-        self._send(
-            {"type": "file", "name": "picks.jsonl", "mime": "application/jsonl", "data": data}
-        )
+        self._send(file_message("picks.jsonl", "application/jsonl", self._study.file()))

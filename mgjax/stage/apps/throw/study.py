@@ -25,9 +25,12 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.choice.explain import Explained
 from mgjax.avoidance.play.answers import Asked
 from mgjax.core import planar
+from mgjax.core.errors import ConfigError
 from mgjax.stage.apps.throw.lane import Lane, Throw
 from mgjax.stage.apps.throw.replay import BEFORE_S, RATE, candidates_of, walk_frames
 from mgjax.stage.apps.throw.words import kind_of
+from mgjax.stage.serve.fields import text
+from mgjax.stage.serve.session import Message
 from mgjax.stage.show.body import body_of
 from mgjax.stage.show.frames import frames_of
 from mgjax.stage.show.types import Actor, Ball, Show
@@ -158,3 +161,52 @@ def _candidate(trial: Trial, place: int) -> dict[str, Any]:
         "energy": dataclasses.asdict(row.energy),
         "time_scale": row.time_scale,
     }
+
+
+class Study:
+    """The trials of one tab, and its picks.
+
+    Args:
+        rng: draws in which order candidates stand.
+    """
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+        self._trial: Trial | None = None
+        self._picks: list[str] = []
+
+    @property
+    def letters(self) -> list[str]:
+        """Of the candidates that are to be compared."""
+        return [] if self._trial is None else list(LETTERS[: len(self._trial.shown)])
+
+    def ask(self, lane: Lane, throw: Throw) -> Show:
+        """The next trial; :class:`ConfigError` where there is nothing to compare."""
+        trial = make_trial(len(self._picks) + 1, lane, throw, self._rng)
+        if trial is None:
+            raise ConfigError(
+                got="a throw with fewer than two clear ways out", expected="another throw"
+            )
+        self._trial = trial
+        return trial_show(trial)
+
+    def give_up(self) -> None:
+        """The trial is left without a pick."""
+        self._trial = None
+
+    def pick(self, message: Message) -> dict[str, Any]:
+        """Takes a pick; whether the search agrees, and how many there are."""
+        if self._trial is None:
+            raise ConfigError(got="a pick without a trial", expected="compare first")
+        letter = text(message, "letter", self.letters)
+        observer = text(message, "observer", most=40)
+        self._picks.append(pick_line(self._trial, letter, observer))
+        agrees = letter == LETTERS[self._trial.chosen]
+        self._trial = None
+        return {"agrees": agrees, "picks": len(self._picks)}
+
+    def file(self) -> bytes:
+        """All picks, a line each; :class:`ConfigError` without any."""
+        if not self._picks:
+            raise ConfigError(got="no picks", expected="some: compare the ways out of a throw")
+        return ("\n".join(self._picks) + "\n").encode()

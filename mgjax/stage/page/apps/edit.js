@@ -91,6 +91,7 @@ export function start({ stage, player, ui, side, link }) {
     if (message.of === 'transition') say(`${message.show.words}.`);
   });
   hearKeys(labels, send);
+  if (globalThis.mgjax) globalThis.mgjax.graph = graph.picture;
   dock.open('Labels');
 }
 

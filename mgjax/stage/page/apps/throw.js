@@ -1,5 +1,6 @@
 /** Throw: click on the body and a ball flies at it. */
 
+import { savePanel } from '../save.js';
 import { createLiveClock } from './throw/live_clock.js';
 import { createOutcome } from './throw/outcome.js';
 import { createSettings } from './throw/settings.js';
@@ -35,6 +36,7 @@ export function start({ stage, player, ui, side, link, options }) {
   const outcome = createOutcome(ui, ui.panel(side, 'Why'));
   const settings = createSettings({ ui, side, link, options });
   const study = createStudy({ ui, side, link, goLive });
+  savePanel({ stage, player, ui, side, link, formats: options.formats });
 
   function replay(ghosts) {
     link.send({ type: 'replay', ghosts });

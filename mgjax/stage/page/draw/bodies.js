@@ -44,7 +44,7 @@ void main() {
   vec3 normal = normalize(worldNormal);
   vec3 painted = lit(colour.rgb, worldPlace, normal);
   float edge = 1.0 - abs(dot(normal, normalize(eye.xyz - worldPlace)));
-  float cover = colour.a < 1.0 ? colour.a * (0.55 + 0.9 * edge * edge) : 1.0;
+  float cover = colour.a < 1.0 ? min(1.0, colour.a * (0.5 + 1.6 * edge * edge)) : 1.0;
   pixel = vec4(hazed(painted, worldPlace), cover);
 }`;
 const NOTHING = 'void main() {}';
@@ -95,8 +95,9 @@ export function createBodies(kit) {
   return {
     /** Sends the poses; each actor gets its row. */
     prepare(actors, bodies) {
+      const kept = new Set([...bodies, ...actors.map(({ body }) => body)]);
       for (const [body, { parts }] of meshes) {
-        if (bodies.includes(body)) continue;
+        if (kept.has(body)) continue;
         kit.drop(...parts);
         meshes.delete(body);
       }

@@ -42,7 +42,11 @@ export function createLabels({ stage, player, ui, side, send, say, dock }) {
     deleteChosen,
     conflict: () => clash.show(),
     shown: () => timeline.fit(),
-    set playing(name) { state.playing = name; },
+    /** The clip that plays in the picture above, or null: something else does. */
+    set playing(name) {
+      state.playing = name;
+      timeline.element.dataset.playing = name ?? '';
+    },
     setFile({ labels_file: name }) {
       state.file = name;
       tools.file(name);
