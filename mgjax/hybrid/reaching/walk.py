@@ -48,6 +48,7 @@ def reach(
     path: PathConfig | None = None,
     node: int | None = None,
     start: Float[np.ndarray, "3"] | None = None,
+    walked: PathResult | None = None,
     prepared: Prepared | None = None,
 ) -> ReachResult:
     """The walk along a sketched path whose hands and head are where targets want them.
@@ -61,6 +62,8 @@ def reach(
         graph, sketch, path, node, start: as for :func:`mgjax.hybrid.follow`.
         targets: in any order.
         config: settings.
+        walked: of :func:`mgjax.hybrid.follow` with the same sketch, where it is known; targets may
+            be moved then without another search.
         prepared: of :func:`mgjax.hybrid.prepare` with ``config``; None: computed once for each
             graph, and kept for the graphs used last.
 
@@ -72,9 +75,10 @@ def reach(
     validate_reach_config(config)
     config = reach_for_body(config, graph.body_scale)
     events = make_events(graph, targets)
-    walked = follow(graph, sketch, config=path, node=node, start=start, prepared=prepared)
-    begun = time.perf_counter()
     prepared = prepared_for(graph, config, prepared)
+    if walked is None:
+        walked = follow(graph, sketch, config=path, node=node, start=start, prepared=prepared)
+    begun = time.perf_counter()
     edges = tuple(walked.walk.edges.tolist())
     first = make_sampled_walk(graph, prepared, edges, walked.frames, walked.start)
     sampled = place_events(first, make_curve(sketch, graph.body_scale), events, config, path)
@@ -86,7 +90,7 @@ def reach(
     rows = [
         bar_row(prepared.reach_body, motion, target, ducks[number], config.drop_m)
         if target.bar is not None
-        else target_row(graph, prepared.reach_body, motion, target, number, events, holds)
+        else target_row(graph, prepared.reach_body, motion, target, number, events, holds, config)
         for number, target in enumerate(targets)
     ]
     plants = sampled.plants[np.round(played.frames).astype(int)]
