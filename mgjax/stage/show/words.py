@@ -28,7 +28,7 @@ def avoided_words(status: str, kind: str | None, clearance_m: float | None) -> s
         return "no candidate: no avoidance part comes at the right time"
     if status == "hit":
         return f"hit, {-100 * clearance_m:.0f} cm deep, in spite of {kind}"
-    near = f"{100 * clearance_m:.0f} cm"
+    near = f"{100 * clearance_m:.0f} cm" if clearance_m >= 0.01 else f"{1000 * clearance_m:.0f} mm"
     far = f"more than {_NEAR_M:g} m" if clearance_m > _NEAR_M else near
     return f"avoided by {kind}, {far} clear"
 
