@@ -51,6 +51,7 @@ export function start({ stage, player, ui, side, link }) {
       now(true);
     },
     user: ({ text, tone }) => panel.user(text, tone),
+    busy: ({ text }) => panel.busy(text),
   };
   link.on('put', ({ kind, item }) => {
     if (kind === 'actors' && item.id === 'user') wholeInView();
