@@ -53,7 +53,9 @@ def test_the_wheel_has_the_package_only(built: Path) -> None:
     (wheel,) = built.glob("*.whl")
     with zipfile.ZipFile(wheel) as files:
         names = set(files.namelist())
-    sources = {str(path.relative_to(ROOT)) for path in (ROOT / "mgjax").rglob("*.py")}
+    package = ROOT / "mgjax"
+    pages = [path for path in (package / "stage" / "page").rglob("*") if path.is_file()]
+    sources = {str(path.relative_to(ROOT)) for path in (*package.rglob("*.py"), *pages)}
     assert sources | {"mgjax/py.typed"} == {n for n in names if ".dist-info/" not in n}
 
 

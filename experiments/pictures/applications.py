@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from mgjax.stage.film import BROWSER_ARGUMENTS, find_browser
+from mgjax.stage.film import ARGUMENTS, find_browser
 
 APPS = ("throw", "sketch", "match", "edit")
 SIZES = {"wide": (1280, 720), "narrow": (760, 900)}
@@ -33,7 +33,7 @@ def _take(folder: Path, app: str, address: str) -> None:
 
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=str(find_browser()), args=list(BROWSER_ARGUMENTS)
+            executable_path=str(find_browser()), args=list(ARGUMENTS)
         )
         for name, (width, height) in SIZES.items():
             page = browser.new_page(viewport={"width": width, "height": height}, bypass_csp=True)

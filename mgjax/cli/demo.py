@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import webbrowser
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from mgjax.io.bvh.write import save_bvh
 from mgjax.io.output import output_folder
 from mgjax.pictures.throws import Throw, scene_picture
 from mgjax.stage.html import save_html
+from mgjax.stage.serve.view import has_display
 from mgjax.stage.show.throws import Thrown, throws_show, world_balls
 
 HEIGHTS_M = (1.45, 0.5, 1.1, 1.55, 0.8)
@@ -57,7 +59,10 @@ def run(command: Demo) -> None:
         save_html(folder / "index.html", show)
     lines = [f"ball {i}: {describe(graph, t.selection)}" for i, t in enumerate(throws, 1)]
     lines.append(f"{result['avoided']} of {command.balls} avoided; written to {command.out}")
+    lines.append("throw balls yourself: mgjax view")
     emit(result, lines, as_json=command.json)
+    if not command.no_browser and not command.json and has_display():
+        webbrowser.open((command.out / "index.html").resolve().as_uri())
 
 
 def thrown(graph: MotionGraph, throws: list[Throw]) -> list[Thrown]:
@@ -99,7 +104,7 @@ def throw_balls(graph: MotionGraph, balls: int, seed: int) -> tuple[list[Throw],
     walks: list[Walk] = []
     for number in range(balls):
         side = rng.uniform(0, 2 * np.pi)
-        attack = ball_from(float(side), HEIGHTS_M[number % len(HEIGHTS_M)])
+        attack = ball_from(float(side), graph.body_scale * HEIGHTS_M[number % len(HEIGHTS_M)])
         selection = select(graph, node, attack, config=config, seed=seed + number)
         throws.append(Throw(attack=attack, selection=selection))
         walks.append(selection.walk)

@@ -77,14 +77,14 @@ class HeldBody:
         """How many bones of the body did not come."""
         return len(self.bones - parts.keys())
 
-    def positions(self, skeleton: Skeleton) -> Float[np.ndarray, "J 3"]:
-        """Where the joints of its skeleton are in the world, m."""
+    def pose(self, skeleton: Skeleton) -> tuple[Float[np.ndarray, "J 3"], Float[np.ndarray, "J 4"]]:
+        """Where the joints of its skeleton are in the world, m, and their local rotations."""
         root_place, root_turn = self._root
         bones = sorted(self.bones)
         places, turns = self._places[bones], self._rotations[bones]
         turns[0] = quaternion.multiply(root_turn, turns[0])
         hips = root_place + quaternion.rotate(root_turn, places[0])
-        return np.asarray(forward(skeleton, np.asarray(hips), turns, places)[0])
+        return np.asarray(forward(skeleton, np.asarray(hips), turns, places)[0]), turns
 
     def _fix(self) -> None:
         """From now on the body has the bones that have come, and no others."""

@@ -37,7 +37,8 @@ class SensorFrame:
         arrival_s: when the last of it came, by the receiver's clock, s.
         stream: rises by one where the sender starts anew; then the frames before are history.
         body: the sender's body in the T-pose, with the joint names of the embedded skeleton.
-        positions: of its joints, Y up over the floor, right-handed, m.
+        positions: of its joints, Y up over the floor, right-handed, m; the first is the root.
+        rotations: local ones of its joints, wxyz.
         held: joints that were not sent, and stay as they were against their parent.
     """
 
@@ -46,6 +47,7 @@ class SensorFrame:
     stream: int
     body: Skeleton
     positions: Float[np.ndarray, "J 3"]
+    rotations: Float[np.ndarray, "J 4"]
     held: int
 
 
@@ -252,13 +254,15 @@ class FrameAssembler:
         if skeleton is None or not self._loaded:
             return []
         self.counts.frames += 1
+        positions, rotations = self._body.pose(skeleton)
         return [
             SensorFrame(
                 time_s=time_s,
                 arrival_s=arrival_s,
                 stream=self.counts.streams,
                 body=skeleton,
-                positions=self._body.positions(skeleton),
+                positions=positions,
+                rotations=rotations,
                 held=self._body.held(parts),
             )
         ]

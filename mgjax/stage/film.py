@@ -30,7 +30,7 @@ from mgjax.stage.show.types import Show
 SIZE = (1280, 720)
 RATE = 30
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-BROWSER_ARGUMENTS = (
+ARGUMENTS = (
     "--no-sandbox",
     "--no-first-run",
     "--disable-background-networking",
@@ -166,7 +166,7 @@ def _page(text: str, size: tuple[int, int], plain: bool) -> Iterator[Any]:
         file.write_text(text, encoding="utf-8")
         try:
             browser = playwright.chromium.launch(
-                executable_path=str(browser_path), args=list(BROWSER_ARGUMENTS)
+                executable_path=str(browser_path), args=list(ARGUMENTS)
             )
             page = browser.new_page(viewport={"width": size[0], "height": size[1]}, bypass_csp=True)
             page.goto(file.as_uri())

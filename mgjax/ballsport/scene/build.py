@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from mgjax.ballsport.clipset.repertoire import Repertoire, make_repertoire
 from mgjax.ballsport.scene.ball_track import BallTrack, track_ball
 from mgjax.ballsport.scene.config import SceneConfig, validate_scene
 from mgjax.ballsport.scene.gaze import look_at
+from mgjax.ballsport.scene.player import Actor
 from mgjax.ballsport.scene.rally import Rally
 from mgjax.ballsport.scene.types import THROWN_IN, BallFlight, Choose, Touch
 from mgjax.clips.folder import load_clips
@@ -116,12 +117,41 @@ def build_scene(
 
 def finish_scene(rally: Rally) -> Scene:
     """The motion and the ball's path of all that a rally has planned."""
-    config, moves, rate = rally.config, rally.moves, rally.rate
     ends = tuple(_ends(rally, flight) for flight in rally.flights)
-    ball = track_ball(rally.flights, ends, rate, config.physics)
+    return make_scene(
+        rally.config,
+        rally.moves,
+        rally.actors,
+        touches=rally.touches,
+        flights=rally.flights,
+        ends=ends,
+    )
+
+
+def make_scene(
+    config: SceneConfig,
+    moves: Repertoire,
+    actors: Mapping[str, Actor],
+    *,
+    touches: Sequence[Touch],
+    flights: Sequence[BallFlight],
+    ends: Sequence[tuple[str, str]],
+) -> Scene:
+    """A scene of what players do and how the ball flies.
+
+    Args:
+        config: of the scene.
+        moves: what it was made of.
+        actors: the players by name; they are made to idle after their last touch.
+        touches: in order.
+        flights: in order, numbered as the touches that begin them.
+        ends: by whom and to whom each goes, "" for nobody.
+    """
+    rate = moves.frame_rate
+    ball = track_ball(flights, ends, rate, config.physics)
     motions: dict[str, Motion] = {}
     seams: dict[str, np.ndarray] = {}
-    for name, actor in rally.actors.items():
+    for name, actor in actors.items():
         motion, blends = actor.motion(len(ball.places))
         looking = look_at(moves.clips.skeleton, motion, ball.places)
         motions[name] = made_of(looking, moves.clips.skeleton)
@@ -134,14 +164,14 @@ def finish_scene(rally: Rally) -> Scene:
             name: np.asarray(global_positions(moves.clips.skeleton, motion))
             for name, motion in motions.items()
         },
-        touches=tuple(rally.touches),
-        flights=tuple(rally.flights),
-        ends=ends,
+        touches=tuple(touches),
+        flights=tuple(flights),
+        ends=tuple(ends),
         ball=ball,
         seams=seams,
         turns={
             name: [(time / rate, angle) for time, angle in actor.turns]
-            for name, actor in rally.actors.items()
+            for name, actor in actors.items()
         },
     )
 

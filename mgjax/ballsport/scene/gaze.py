@@ -21,6 +21,13 @@ _FADE = np.radians((100.0, 150.0))
 """The ball is no longer followed from the first angle on, and beyond the second not looked for."""
 _SMOOTH_S = 0.12
 """Standard deviation of the smoothing of the turn, s."""
+_TRUNCATE = 4.0
+"""Standard deviations after which the smoothing ends."""
+
+
+def gaze_frames(frame_rate: float) -> int:
+    """How many frames before and after it the turn in a frame depends on."""
+    return int(_TRUNCATE * _SMOOTH_S * frame_rate + 0.5)
 
 
 def look_at(skeleton: Skeleton, motion: Motion, ball: Float[np.ndarray, "F 3"]) -> Motion:
@@ -46,7 +53,7 @@ def look_at(skeleton: Skeleton, motion: Motion, ball: Float[np.ndarray, "F 3"]) 
     fade = np.clip((_FADE[1] - angle) / (_FADE[1] - _FADE[0]), 0.0, 1.0)
     vector = axis / np.maximum(size, 1e-9)[:, None] * (np.minimum(angle, _MOST) * fade)[:, None]
     width = _SMOOTH_S * motion.frame_rate
-    vector = gaussian_filter1d(vector, width, axis=0, mode="nearest")
+    vector = gaussian_filter1d(vector, width, axis=0, mode="nearest", truncate=_TRUNCATE)
     third = quaternion.exp(vector / len(joints))
     for joint in joints:
         above = turns[:, skeleton.parents[joint]]

@@ -36,34 +36,32 @@ class Actor:
         moves: what can be done.
         pieces: start and stop frames, for :func:`mgjax.ballsport.clipset.joining.join`; the last
             goes on as long as its run does.
-        placement: planar transform of the last piece.
+        placements: planar transforms of the pieces.
         run: that is being played.
         frame: where in it the account stands.
         earliest: frame from which on the run may be left.
         time: when ``frame`` is played.
         source: number of ``frame`` in the joined motion, before any time warp.
         knots: pairs of source and time between which the motion is warped evenly.
-        first: placement of the first piece.
         turns: time and degrees of the turns on the spot.
     """
 
     moves: Repertoire
     pieces: list[list[int]]
-    placement: Float[np.ndarray, "3"]
+    placements: list[Float[np.ndarray, "3"]]
     run: int
     frame: int
     earliest: int
     time: int = 0
     source: int = 0
     knots: list[tuple[float, float]] = field(default_factory=lambda: [(0.0, 0.0)])
-    first: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
     turns: list[tuple[int, int]] = field(default_factory=list)
 
     @property
     def stand(self) -> Float[np.ndarray, "3"]:
         """Planar frame of the body where the account stands: heading, x and z."""
         plane = np.asarray(self.moves.clips.planes[self.frame], np.float64)
-        return np.asarray(planar.compose(self.placement, plane))
+        return np.asarray(planar.compose(self.placements[-1], plane))
 
     def turn_to(self, heading: float) -> int:
         """The stored turn that leads nearest to a heading, degrees; 0: none."""
@@ -77,6 +75,7 @@ class Actor:
         return replace(
             self,
             pieces=[list(piece) for piece in self.pieces],
+            placements=list(self.placements),
             knots=list(self.knots),
             turns=list(self.turns),
         )
@@ -91,15 +90,19 @@ class Actor:
 
     def placed(self, hops: np.ndarray) -> Float[np.ndarray, "3"]:
         """The placement after some hops."""
-        here = self.placement
+        return self._placements(hops)[-1]
+
+    def _placements(self, hops: np.ndarray) -> list[Float[np.ndarray, "3"]]:
+        """The placement now, and after each hop."""
+        out = [self.placements[-1]]
         for leave, enter in _real(hops):
-            here = planar.compose(here, self.moves.seam(leave, enter))
-        return np.asarray(here)
+            out.append(np.asarray(planar.compose(out[-1], self.moves.seam(leave, enter))))
+        return out
 
     def go(self, paths: LinkPaths, row: int) -> None:
         """Goes one of the link paths, at the speed of the clips."""
         hops = _real(paths.hops[row])
-        self.placement = self.placed(paths.hops[row])
+        self.placements += self._placements(paths.hops[row])[1:]
         window = self.moves.window
         for leave, enter in hops:
             self.pieces[-1][1] = leave + window
@@ -111,15 +114,18 @@ class Actor:
         self._account(entry, int(paths.frames[row]))
         self.earliest = entry + window
 
-    def idle_until(self, now: int) -> None:
-        """Sees to it that there is idle motion left after now; begins it again where not."""
+    def idle_until(self, now: int, *, since: int = 0) -> None:
+        """Sees to it that there is idle motion left after now; begins it again where not.
+
+        What is played before ``since`` stays as it is.
+        """
         linger = round(_LINGER_S * self.moves.frame_rate)
         idle = self.moves.idle
         while self.run != int(self.moves.runs[idle[0]]) or (
             self.frame + now - self.time + linger > self.moves.run_stops[self.run]
         ):
             early = idle[: max(1, len(idle) // 3)]
-            paths = self.link_paths(early, now=self.time, turn=0)
+            paths = self.link_paths(early, now=max(self.time, since), turn=0)
             late = paths.frames / self.moves.frame_rate
             wait = np.maximum((now - self.time) / self.moves.frame_rate - late, 0.0)
             self.go(paths, int(np.argmin(paths.cost + _LATE_COST * (late + 2 * wait))))
@@ -181,12 +187,31 @@ class Actor:
         """The motion of the scene's first frames, and the seams in it, start and stop in frames."""
         self.idle_until(frames)
         pieces = [(a, b) for a, b in self.pieces]
-        joined = join(self.moves.clips, pieces, window=self.moves.window, placement=self.first)
+        clips, window = self.moves.clips, self.moves.window
+        joined = join(clips, pieces, window=window, placement=self.placements[0])
         source, time = np.array([*self.knots, (self.source, self.time)], np.float64).T
         where = even_warp(time, source).at(np.arange(frames, dtype=np.float64))
         # The inverse of an even warp is another one.
         seams = even_warp(source, time).at(joined.seams.ravel().astype(np.float64)).reshape(-1, 2)
         return sample(joined.motion, where), seams[seams[:, 0] < frames]
+
+    def part(self, start: int, stop: int) -> Motion:
+        """The motion from one scene frame to another, the last left out, as :meth:`motion` has it.
+
+        Only the pieces that are played then are joined; they have to be there.
+        """
+        source, time = np.array([*self.knots, (self.source, self.time)], np.float64).T
+        where = even_warp(time, source).at(np.arange(start, stop, dtype=np.float64))
+        window = self.moves.window
+        lengths = [b - a - window for a, b in self.pieces[:-1]]
+        begins = np.concatenate([[0], np.cumsum(lengths, dtype=np.int64)])
+        certain = np.flatnonzero(begins + window <= where[0])  # blended into by then
+        first = int(certain[-1]) if len(certain) else 0
+        last = int(np.searchsorted(begins, where[-1] + 1, side="right"))
+        pieces = [(a, b) for a, b in self.pieces[first:last]]
+        placement = self.placements[first]
+        joined = join(self.moves.clips, pieces, window=window, placement=placement)
+        return sample(joined.motion, where - begins[first])
 
 
 def new_actor(moves: Repertoire, stand: Sequence[float], begin: int) -> Actor:
@@ -197,11 +222,10 @@ def new_actor(moves: Repertoire, stand: Sequence[float], begin: int) -> Actor:
     return Actor(
         moves=moves,
         pieces=[[begin, moves.run_stops[run]]],
-        placement=first,
+        placements=[first],
         run=run,
         frame=begin,
         earliest=begin + moves.window,
-        first=first,
     )
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
+from jaxtyping import Float
 
 from mgjax.ballsport.clipset.repertoire import Repertoire
-from mgjax.ballsport.scene.config import SceneConfig
+from mgjax.ballsport.scene.config import Pass, SceneConfig, validate_scene
 from mgjax.ballsport.scene.kick import Kick, choose_kick
 from mgjax.ballsport.scene.launching import Launcher
 from mgjax.ballsport.scene.planning import (
@@ -19,6 +23,7 @@ from mgjax.ballsport.scene.planning import (
 )
 from mgjax.ballsport.scene.player import Actor, new_actor
 from mgjax.ballsport.scene.types import THROWN_IN, BallFlight, BallStart, Choose, Touch
+from mgjax.core.errors import ConfigError
 
 _LAST_DISTANCE_M = 2.0
 """How far the last touch is meant to send the ball, to nobody."""
@@ -48,28 +53,40 @@ class Rally:
         config: the scene.
         moves: what players can do.
         choose: decides hits of passes whose kind is "any".
+        actors: players of a rally that is over, who go on; None: they begin where they stand.
+        begin: scene frame at which the rally begins, before which nothing changes; None: at 0, and
+            the passes are all there are. Else there may come more by :meth:`extend`, and what is
+            played before the ball is launched to a touch is certain when that touch is planned.
     """
 
     def __init__(
-        self, config: SceneConfig, moves: Repertoire, choose: Choose | None = None
+        self,
+        config: SceneConfig,
+        moves: Repertoire,
+        choose: Choose | None = None,
+        *,
+        actors: Mapping[str, Actor] | None = None,
+        begin: int | None = None,
     ) -> None:
         self.config, self.moves, self._choose = config, moves, choose
         self.rate = moves.frame_rate
+        self._live = begin is not None
         homes = {p.name: np.array([p.x, 0.0, p.z]) for p in config.players}
         self._launcher = Launcher(
             config=config, rate=self.rate, middle=np.mean(list(homes.values()), axis=0)
         )
         self.order = [*(item.by for item in config.passes), config.passes[-1].to]
-        self.actors = self._idle_actors(homes)
+        self.actors = self._idle_actors(homes) if actors is None else dict(actors)
         self.touches: list[Touch] = []
         self.flights: list[BallFlight] = []
-        self._launch_times = [0]
-        self._start = self._launcher.throw_in(round(_LEAD_S * self.rate))
+        begin = begin or 0
+        self._launch_times = [begin]
+        self._start = self._launcher.throw_in(begin + round(_LEAD_S * self.rate))
 
     def _idle_actors(self, homes: dict[str, np.ndarray]) -> dict[str, Actor]:
         """All players at home, turned to where the ball comes from, at different idle frames."""
         moves, server = self.moves, self.order[0]
-        begins = np.linspace(0, 0.5, len(self.config.passes) + 1)
+        begins = np.linspace(0, 0.5, len(homes) if self._live else len(self.config.passes) + 1)
         run = [moves.starts[moves.idle[0]], moves.stops[moves.idle[-1]]]
         actors: dict[str, Actor] = {}
         for number, (name, home) in enumerate(homes.items()):
@@ -83,6 +100,31 @@ class Rally:
     def done(self) -> bool:
         """Whether all touches are planned."""
         return len(self.touches) == len(self.order)
+
+    @property
+    def launch_frame(self) -> int:
+        """Scene frame at which the ball is launched to the next touch; the last one when done."""
+        return self._start.time
+
+    @property
+    def launch_place(self) -> Float[np.ndarray, "3"]:
+        """Where the ball's centre is then, m."""
+        return self._start.place
+
+    def extend(self, item: Pass) -> None:
+        """Adds a pass after the last one, before the touch that makes it is planned.
+
+        Raises:
+            ConfigError: a pass that cannot be, or the rally is over.
+        """
+        if self.done:
+            raise ConfigError(
+                f"got a pass by {item.by!r} to a rally that is over, expected a new one"
+            )
+        config = replace(self.config, passes=(*self.config.passes, item))
+        validate_scene(config)
+        self.config = config
+        self.order.append(item.to)
 
     def step(self) -> None:
         """Plans the next touch and with it the flight that leads to it, throws included."""
@@ -114,7 +156,7 @@ class Rally:
             player=player,
             kick=kick,
             heading=self._next_touch(number)[0] - kick.aside,
-            now=self._launch_times[-1] if decided is None else self._start.time,
+            now=self._launch_times[-1] if decided is None and not self._live else self._start.time,
             by_user=decided is not None,
             start=self._start,
             bystanders=self._bystanders(number),
@@ -185,6 +227,11 @@ class Rally:
         stands = [actor.stand for name, actor in self.actors.items() if name not in out]
         return [np.array([x, 0.0, z]) for _, x, z in stands]
 
+    def _middle_without(self, name: str) -> Float[np.ndarray, "3"]:
+        """Between the others: from there the least has to be turned, whoever gets the ball."""
+        places = [(p.x, 0.0, p.z) for p in self.config.players if p.name != name]
+        return np.mean(places, axis=0)
+
     def _turn_players(self, number: int, flight: BallFlight) -> None:
         """After a launch players who are free turn: to where the ball goes, or to be ready.
 
@@ -192,15 +239,17 @@ class Rally:
         """
         now = flight.start + round(_REACTION_S * self.rate)
         ready, soon = [*self.order[number + 1 : number + 3], None, None][:2]
-        user_is_next = user_may_decide(self.config, self._choose, number + 1)
+        unknown = self._live or user_may_decide(self.config, self._choose, number + 1)
         for name, actor in self.actors.items():
-            waits = name == soon or (name == ready and not user_is_next)
+            waits = name == soon or (name == ready and not unknown)
             if name == self.order[number] or waits:
                 continue
             if actor.time > now + round(_BUSY_S * self.rate):
                 continue
             _, x, z = actor.stand
-            if name == ready:
+            if name == ready and self._live and number + 1 == len(self.config.passes):
+                heading = heading_of(self._middle_without(name) - np.array([x, 0.0, z]))
+            elif name == ready:
                 heading = self._next_touch(number + 1)[0]
             else:
                 heading = heading_of(flight.target - np.array([x, 0.0, z]))

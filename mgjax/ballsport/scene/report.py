@@ -21,9 +21,7 @@ _TURN_RATE_S = 0.1
 def scene_json(scene: Scene) -> dict[str, Any]:
     """The timeline: passes, throws, events, players, and the worst of everything."""
     flights = [_flight_json(scene, number, flight) for number, flight in enumerate(scene.flights)]
-    passes = [
-        row for row, flight in zip(flights, scene.flights, strict=True) if _is_pass(scene, flight)
-    ]
+    passes = [row for number, row in enumerate(flights) if _is_pass(scene, number)]
     throws = [
         row
         for row, flight in zip(flights, scene.flights, strict=True)
@@ -79,8 +77,8 @@ def _net_json(net: Net) -> dict[str, float]:
     return {name: float(getattr(net, name)) for name in ("x", "z", "heading", "height")}
 
 
-def _is_pass(scene: Scene, flight: BallFlight) -> bool:
-    return flight.number != THROWN_IN and flight.number < len(scene.config.passes)
+def _is_pass(scene: Scene, number: int) -> bool:
+    return scene.flights[number].number != THROWN_IN and bool(scene.ends[number][1])
 
 
 def _flight_json(scene: Scene, number: int, flight: BallFlight) -> dict[str, Any]:

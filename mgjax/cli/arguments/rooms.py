@@ -99,3 +99,5 @@ class Demo(Output):
     """How many."""
     seed: int = 0
     """Draws clips, places and throws."""
+    no_browser: bool = False
+    """Do not open index.html, where there is a display."""

@@ -97,30 +97,6 @@ def starting_poses(rig: LimbRig, local: Float[np.ndarray, "J 4"]) -> Float[np.nd
 
 
 @partial(jax.jit, static_argnames=("parents", "ends"))
-def _keys(
-    offsets: Array,
-    bases: Array,
-    frames: Array,
-    targets: Array,
-    poses: Array,
-    limits: JointLimits | None,
-    *,
-    parents: tuple[int, ...],
-    ends: tuple[int, ...],
-) -> Array:
-    """[S, A, n, 4]: each of A poses made to reach in each of S settings."""
-
-    def one(base: Array, frame: Array, target: Array, pose: Array) -> Array:
-        return fabrik_tree(
-            offsets, base, pose, target, parents=parents, ends=ends, frame=frame, limits=limits,
-            tolerance=TOLERANCE_M, max_steps=_STEPS, max_starts=1,
-        )[0]  # fmt: skip
-
-    over_poses = jax.vmap(one, in_axes=(None, None, None, 0))
-    return jax.vmap(over_poses, in_axes=(0, 0, 0, None))(bases, frames, targets, poses)
-
-
-@partial(jax.jit, static_argnames=("parents", "ends"))
 def _track(
     offsets: Array,
     bases: Array,
@@ -162,10 +138,15 @@ def key_poses(
     targets: Float[np.ndarray, "S E 3"],
 ) -> Float[np.ndarray, "S A n 4"]:
     """Key poses for poses of the body, each from all :func:`starting_poses` of the first."""
-    base, frame = _bases(rig, root, local)
-    shape = {"parents": rig.parents, "ends": rig.ends}
-    start, goal = starting_poses(rig, local[0]), targets.astype(np.float32)
-    return np.asarray(_keys(rig.offsets, base, frame, goal, start, rig.limits, **shape))
+    start = starting_poses(rig, local[0])
+    settings, poses = len(root), len(start)
+    each = [np.repeat(x, poses, axis=0) for x in (*_bases(rig, root, local), targets)]
+    solved, _ = fabrik_tree(
+        rig.offsets, each[0], np.tile(start, (settings, 1, 1)), each[2].astype(np.float32),
+        parents=rig.parents, ends=rig.ends, frame=each[1], limits=rig.limits,
+        tolerance=TOLERANCE_M, max_steps=_STEPS, max_starts=1,
+    )  # fmt: skip
+    return np.asarray(solved).reshape(settings, *start.shape)
 
 
 def track_targets(

@@ -40,7 +40,7 @@ class Budget(NamedTuple):
 
     iterations: Array | int
     steps: Array | int
-    starts: Array | int
+    starts: int
 
 
 class Drawn(NamedTuple):

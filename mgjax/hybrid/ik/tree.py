@@ -26,7 +26,7 @@ _REACH = 0.999
 """Share of its length to which a chain is stretched towards a target that is too far."""
 
 
-@partial(jax.jit, static_argnames=("parents", "ends"))
+@partial(jax.jit, static_argnames=("parents", "ends", "max_starts"))
 def fabrik_tree(
     offsets: Float[Array, "n 3"],
     base: Float[Array, "*b 3"],
@@ -40,7 +40,7 @@ def fabrik_tree(
     tolerance: float | Float[Array, ""] = 1e-3,
     max_iterations: int | Int[Array, ""] = 16,
     max_steps: int | Int[Array, ""] = _STEPS,
-    max_starts: int | Int[Array, ""] = STARTS,
+    max_starts: int = STARTS,
 ) -> tuple[Float[Array, "*b n 4"], Int[Array, "*b E"]]:
     """Local rotations of a tree of joints such that its ends meet their targets.
 
@@ -128,14 +128,8 @@ def _solve(
 
         return jax.vmap(one)(bases, frames, wanted, first)
 
-    if limits is not None or tree.ends.shape[0] > 1:
-        # The outer condition is the same for all of a batch, the inner one is not.
-        missed = jnp.any(least > tolerance)
-        first = lax.cond(
-            jnp.asarray(budget.starts) > 1,
-            lambda: lax.cond(missed, more, lambda: first),
-            lambda: first,
-        )
+    if budget.starts > 1 and (limits is not None or tree.ends.shape[0] > 1):
+        first = lax.cond(jnp.any(least > tolerance), more, lambda: first)
     return jnp.where(tree.end_of[None, :, None] >= 0, given, first)
 
 

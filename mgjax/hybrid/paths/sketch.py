@@ -146,7 +146,13 @@ def load_sketch(path: str | Path, *, spline: bool = False, closed: bool = False)
     Raises:
         FileFormatError: names the file and, where it is known, the line.
     """
-    text = read_text(path, "path")
+    return parse_sketch(path, read_text(path, "path"), spline=spline, closed=closed)
+
+
+def parse_sketch(
+    path: str | Path, text: str, *, spline: bool = False, closed: bool = False
+) -> Sketch:
+    """The sketch in a text as :func:`load_sketch` reads it from a file of that name."""
     fields = (
         _from_json(path, text) if Path(path).suffix.lower() == ".json" else read_csv(path, text)
     )

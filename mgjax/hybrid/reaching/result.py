@@ -11,6 +11,7 @@ from mgjax.core.motion import Motion
 from mgjax.core.shown import Shown
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.body.capsules import arm_clearance
+from mgjax.hybrid.config import ReachConfig
 from mgjax.hybrid.ik.limbs import find_limb
 from mgjax.hybrid.paths.result import PathResult
 from mgjax.hybrid.prepared import ReachBody
@@ -28,7 +29,8 @@ class Reached:
         status: ``"reached"``; ``"out_of_reach"``: nowhere on the walk; ``"too_high"``: the target
             is more than 0.95 Σd above the base; ``"limits"``: near enough, but the joints do not
             allow it, or not over the whole hold; ``"lost"``: no way leads there; ``"too_fast"``: a
-            joint turns too fast even with the longest blend. A bar is ``"cleared"`` or ``"hit"``.
+            joint turns too fast even with the longest blend; ``"missed"``: other targets or a bar,
+            too near in time, draw the body away from it. A bar is ``"cleared"`` or ``"hit"``.
         error_m: distance of the end to the target at the beginning of the hold; of a bar NaN.
         hold_m: the largest one over the hold.
         first, last: frames of the hold, or of being down; None if there is none.
@@ -83,6 +85,7 @@ def target_row(
     number: int,
     events: list[ReachEvent],
     holds: dict[int, Hold],
+    config: ReachConfig,
 ) -> Reached:
     """What came of a target, measured on the motion."""
     event = next(event for event in events if number in event.numbers)
@@ -98,12 +101,13 @@ def target_row(
     wanted = target.at((rows - hold.first) / graph.frame_rate)
     limb = find_limb(body.skeleton, target.limb)
     off = np.linalg.norm(positions[rows, limb.joints[-1]] - wanted, axis=-1)
+    missed = event.status == "reached" and off.max() > config.hold_m
     clear_m = np.nan
     if limb.is_arm:
         clear_m = float(arm_clearance(body.capsules, positions[rows], limb.type).min())
     return Reached(
         target=target,
-        status=event.status,
+        status="missed" if missed else event.status,
         error_m=float(off[0]),
         hold_m=float(off.max()),
         first=hold.first,

@@ -180,9 +180,14 @@ def load_targets(path: str | Path) -> tuple[Target, ...]:
     Raises:
         FileFormatError: names the file, the target, what stands there and what should.
     """
+    return parse_targets(path, read_text(path, "reach"))
+
+
+def parse_targets(path: str | Path, text: str) -> tuple[Target, ...]:
+    """The targets in a text as :func:`load_targets` reads them from a file of that name."""
     root = parse_json(
         path,
-        read_text(path, "reach"),
+        text,
         expected="a JSON list of targets",
         nested="a list of targets",
     )

@@ -13,7 +13,7 @@ from mgjax.core.shown import made_of
 from mgjax.graph.plants import foot_slide
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import make_walk
-from mgjax.hybrid.config import PathConfig, ReachConfig, validate_reach_config
+from mgjax.hybrid.config import PathConfig, ReachConfig, reach_for_body, validate_reach_config
 from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.result import PathResult, track_of
 from mgjax.hybrid.paths.search import follow
@@ -48,6 +48,7 @@ def reach(
     path: PathConfig | None = None,
     node: int | None = None,
     start: Float[np.ndarray, "3"] | None = None,
+    walked: PathResult | None = None,
     prepared: Prepared | None = None,
 ) -> ReachResult:
     """The walk along a sketched path whose hands and head are where targets want them.
@@ -61,6 +62,8 @@ def reach(
         graph, sketch, path, node, start: as for :func:`mgjax.hybrid.follow`.
         targets: in any order.
         config: settings.
+        walked: of :func:`mgjax.hybrid.follow` with the same sketch, where it is known; targets may
+            be moved then without another search.
         prepared: of :func:`mgjax.hybrid.prepare` with ``config``; None: computed once for each
             graph, and kept for the graphs used last.
 
@@ -70,13 +73,15 @@ def reach(
     """
     config, path = config or ReachConfig(), path or PathConfig()
     validate_reach_config(config)
+    config = reach_for_body(config, graph.body_scale)
     events = make_events(graph, targets)
-    walked = follow(graph, sketch, config=path, node=node, start=start, prepared=prepared)
-    begun = time.perf_counter()
     prepared = prepared_for(graph, config, prepared)
+    if walked is None:
+        walked = follow(graph, sketch, config=path, node=node, start=start, prepared=prepared)
+    begun = time.perf_counter()
     edges = tuple(walked.walk.edges.tolist())
     first = make_sampled_walk(graph, prepared, edges, walked.frames, walked.start)
-    sampled = place_events(first, make_curve(sketch), events, config, path)
+    sampled = place_events(first, make_curve(sketch, graph.body_scale), events, config, path)
     if sampled is not first:
         walked = _extended(graph, walked, sampled, sketch)
     kept = [event for event in events if event.status == "reached"]
@@ -85,7 +90,7 @@ def reach(
     rows = [
         bar_row(prepared.reach_body, motion, target, ducks[number], config.drop_m)
         if target.bar is not None
-        else target_row(graph, prepared.reach_body, motion, target, number, events, holds)
+        else target_row(graph, prepared.reach_body, motion, target, number, events, holds, config)
         for number, target in enumerate(targets)
     ]
     plants = sampled.plants[np.round(played.frames).astype(int)]
@@ -111,7 +116,7 @@ def _extended(
         graph.edge_distance[chosen].astype(np.float64) ** 2, graph.edge_frames[chosen]
     )
     track = track_of(graph, sampled.motion, blend[: sampled.frames])
-    curve = make_curve(sketch)
+    curve = make_curve(sketch, graph.body_scale)
     slide, share = foot_slide(graph.skeleton, sampled.motion, sampled.plants)
     return replace(
         walked,

@@ -74,17 +74,18 @@ function* triples(numbers) {
 
 /**
  * Notes of actors over their heads, and of things: [{text, place, colour, aside}], where `aside` (m)
- * is how far to the right of its place one begins; without it the note stands over the place.
+ * is how far to the right of its place one begins; without it the note stands over the place. The
+ * thing whose handles are shown has none.
  */
-export function labelsOf(scene) {
+export function labelsOf(scene, handled = null) {
   const labels = [];
   for (const { note, seen, pose, colour } of scene.actors.values()) {
     if (!note || !seen) continue;
     const place = [(pose.low[0] + pose.high[0]) / 2, pose.top + 0.02, (pose.low[2] + pose.high[2]) / 2];
     labels.push({ text: note, place, colour });
   }
-  for (const { note, place, end, radius = 0.05, colour = 'purple' } of scene.things.values()) {
-    if (!note) continue;
+  for (const { id, note, place, end, radius = 0.05, colour = 'purple' } of scene.things.values()) {
+    if (!note || id === handled) continue;
     const other = end ?? place;
     const middle = place.map((value, k) => (value + other[k]) / 2);
     const long = Math.hypot(other[0] - place[0], other[2] - place[2]) > 2 * radius;

@@ -19,13 +19,13 @@ export const THEMES = {
   light: {
     floor: shade('#E6E9ED'), fine: shade('#DADFE4'), metre: shade('#BDC5CD'),
     haze: shade('#F6F7F9'), above: shade('#E6EBF1'),
-    sky: 0.58, ground: 0.30, sun: 0.66, shadow: 0.34,
+    sky: 0.54, ground: 0.22, sun: 0.84, shadow: 0.34,
     text: '#1D2329', plate: 'rgba(255,255,255,0.88)', edge: 'rgba(0,0,0,0.14)',
   },
   dark: {
     floor: shade('#23282E'), fine: shade('#2A3037'), metre: shade('#3D454E'),
     haze: shade('#15181C'), above: shade('#1D2228'),
-    sky: 0.50, ground: 0.24, sun: 0.70, shadow: 0.46,
+    sky: 0.46, ground: 0.18, sun: 0.86, shadow: 0.46,
     text: '#E8ECF0', plate: 'rgba(28,33,38,0.88)', edge: 'rgba(255,255,255,0.16)',
   },
 };

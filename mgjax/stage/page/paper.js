@@ -1,24 +1,43 @@
 /** The flat canvas over the stage's own, on which is written, and both as one picture. */
 
-/** A canvas over another one that takes no part in clicks: its context. */
-export function makePaper(canvas) {
+import { drawOverlay } from './overlay.js';
+
+/** A canvas over another one that takes no part in clicks. */
+export function createPaper(canvas) {
   const sheet = document.createElement('canvas');
   sheet.className = 'mg-paper';
   sheet.setAttribute('aria-hidden', 'true');
   canvas.after(sheet);
-  return sheet.getContext('2d');
+  const paper = sheet.getContext('2d');
+  let written = '';
+  return {
+    canvas: sheet,
+    /** Writes what is to be read on a picture (overlay.js), unless it stands there already. */
+    write(view) {
+      const { width, height } = view.camera;
+      const ratio = Math.min(2, globalThis.devicePixelRatio || 1);
+      const text = JSON.stringify([width, height, ratio, contentOf(view)]);
+      if (text === written) return;
+      written = text;
+      const [wide, high] = [width, height].map((side) => Math.round(side * ratio));
+      if (sheet.width !== wide || sheet.height !== high) Object.assign(sheet, { width: wide, height: high });
+      paper.setTransform(1, 0, 0, 1, 0, 0);
+      paper.clearRect(0, 0, wide, high);
+      paper.setTransform(ratio, 0, 0, ratio, 0, 0);
+      drawOverlay(paper, view);
+    },
+    remove: () => sheet.remove(),
+  };
 }
 
-/** Makes the sheet as large as the page shows it, empties it, and counts in pixels of the page. */
-export function clearPaper(paper, wide, high) {
-  const ratio = Math.min(2, globalThis.devicePixelRatio || 1);
-  const [width, height] = [Math.round(wide * ratio), Math.round(high * ratio)];
-  if (paper.canvas.width !== width || paper.canvas.height !== height) {
-    Object.assign(paper.canvas, { width, height });
-  }
-  paper.setTransform(1, 0, 0, 1, 0, 0);
-  paper.clearRect(0, 0, width, height);
-  paper.setTransform(ratio, 0, 0, ratio, 0, 0);
+/** All that the writing hangs on; where labels are, to a tenth of a pixel. */
+function contentOf({ camera, theme, labels, taken, handles, held }) {
+  const tenths = (place) => camera.project(place)?.map((value) => Math.round(10 * value));
+  return [
+    camera.yaw, camera.pitch, theme.text, taken, held, handles && [handles, camera.toClip],
+    labels.map(({ text, colour, place, aside }) => (
+      [text, colour, tenths(place), aside && Math.round(10 * aside * camera.pixelsAt(place))])),
+  ];
 }
 
 /** Two canvases, one over the other, as a PNG in a data URL. */

@@ -15,7 +15,7 @@ const LONGEST_GAP = 0.5;
  * @param {{live?: boolean}} options live: the app sets the time, the bar is hidden
  */
 export function createPlayer(stage, parent, { live = false } = {}) {
-  const state = { time: 0, seconds: 0, frame: 1 / 30, playing: false, speed: 1, loop: true, last: null, live };
+  const state = { time: 0, begin: 0, seconds: 0, frame: 1 / 30, playing: false, speed: 1, loop: true, last: null, live };
   const heard = [];
   const make = (name, picture, title, click) => element('button', {
     type: 'button', class: 'mg-button mg-icon', title, 'aria-label': title, 'data-name': name,
@@ -61,7 +61,9 @@ export function createPlayer(stage, parent, { live = false } = {}) {
     state.last = now;
     let time = state.time + passed * state.speed;
     if (time >= state.seconds) {
-      if (state.loop && state.seconds > 0) time %= state.seconds;
+      if (state.loop && state.seconds > state.begin) {
+        time = state.begin + ((time - state.begin) % (state.seconds - state.begin));
+      }
       else {
         time = state.seconds;
         player.pause();
@@ -79,7 +81,7 @@ export function createPlayer(stage, parent, { live = false } = {}) {
       ' ': () => player.toggle(),
       ArrowLeft: () => player.step(-jump),
       ArrowRight: () => player.step(jump),
-      Home: () => seek(0),
+      Home: () => seek(state.begin),
       End: () => seek(state.seconds),
     };
     keys[event.key]?.();
@@ -96,18 +98,21 @@ export function createPlayer(stage, parent, { live = false } = {}) {
 
   const player = {
     element: bar,
-    /** The length and the timeline of a show; time goes to its beginning. */
-    setShow({ seconds, actors = [], spans = [], moments = [] }) {
-      state.seconds = Math.max(0, seconds);
+    /** The length and the timeline of a show; time goes to its beginning, or `begin` (s). */
+    setShow({ begin = 0, seconds, actors = [], spans = [], moments = [] }) {
+      state.begin = Math.max(0, begin);
+      state.seconds = Math.max(state.begin, seconds);
       state.frame = 1 / Math.max(1, ...actors.map(({ frames }) => Math.min(120, frames.rate)));
       scrub.max = state.seconds;
-      timeline = drawTimeline(lanes, scrub, { seconds: state.seconds, spans, moments }, seek);
-      state.time = 0;
+      scrub.min = state.begin;
+      const times = { begin: state.begin, seconds: state.seconds };
+      timeline = drawTimeline(lanes, scrub, { ...times, spans, moments }, seek);
+      state.time = state.begin;
       show();
     },
     play() {
       if (state.live) return;
-      if (state.time >= state.seconds) state.time = 0;
+      if (state.time >= state.seconds) state.time = state.begin;
       markPlaying(true);
       stage.wake(false);
     },
@@ -115,7 +120,7 @@ export function createPlayer(stage, parent, { live = false } = {}) {
     toggle: () => (state.playing ? player.pause() : player.play()),
     /** Goes to a second. */
     seek(time) {
-      state.time = Math.min(state.seconds, Math.max(0, time));
+      state.time = Math.min(state.seconds, Math.max(state.begin, time));
       show();
     },
     /** Pauses and goes on by frames, back where negative. */

@@ -25,6 +25,7 @@ export function listen(element, does) {
 
   function down(event) {
     if (event.button > 2) return;
+    element.dataset.pointed = '';
     element.focus({ preventScroll: true });
     element.setPointerCapture?.(event.pointerId);
     pointers.set(event.pointerId, at(event));
@@ -91,6 +92,7 @@ export function listen(element, does) {
   on('pointerup', up);
   on('pointercancel', up);
   on('pointerleave', () => does.leave());
+  on('keydown', () => delete element.dataset.pointed);
   on('contextmenu', (event) => event.preventDefault());
   on('wheel', (event) => {
     if (!does.mayZoom(event)) return;

@@ -4,8 +4,8 @@
 export const LEVELS = [
   { scale: 1, shadow: 2048, taps: 9, samples: 4 },
   { scale: 1, shadow: 1024, taps: 9, samples: 0 },
-  { scale: 0.8, shadow: 1024, taps: 1, samples: 0 },
-  { scale: 0.66, shadow: 512, taps: 1, samples: 0 },
+  { scale: 0.75, shadow: 1024, taps: 1, samples: 0 },
+  { scale: 0.6, shadow: 512, taps: 1, samples: 0 },
   { scale: 0.5, shadow: 0, taps: 0, samples: 0 },
 ];
 
@@ -13,6 +13,8 @@ const SLOW = 55;
 const QUICK = 24;
 const ENOUGH = 8;
 const PATIENT = 90;
+const HELPED = 0.92;
+const HELD = 240;
 const BREAK = 600;
 
 /** The level to begin with: a processor that draws by itself cannot have the best. */
@@ -27,6 +29,8 @@ export function createQuality(level = 0) {
   let last = null;
   let times = [];
   let patience = PATIENT;
+  let before = 0;
+  let held = 0;
   let fixed = false;
   const quality = {
     level,
@@ -43,8 +47,8 @@ export function createQuality(level = 0) {
 
     /**
      * A frame that was drawn at `now` (ms).
-     * @param {boolean} running the frame before it asked for this one, so the time between the
-     *   two tells how long drawing takes
+     * @param {boolean} running the one before it was drawn, too, so the time between the two tells
+     *   how long drawing takes
      * @returns {boolean} whether the level has changed
      */
     frame(now, running) {
@@ -54,17 +58,34 @@ export function createQuality(level = 0) {
       quality.ms = quality.ms ? quality.ms * 0.9 + spent * 0.1 : spent;
       if (fixed) return false;
       times.push(spent);
-      if (times.length >= ENOUGH && median(times.slice(-ENOUGH)) > SLOW) return quality.change(1);
-      if (times.length >= patience && median(times.slice(-patience)) < QUICK) return quality.change(-1);
+      held = Math.max(0, held - 1);
+      if (times.length >= ENOUGH) {
+        const usual = median(times.slice(-ENOUGH));
+        if (before && times.length === ENOUGH && usual > HELPED * before) return quality.undo();
+        if (usual > SLOW && !held) return quality.plainer(usual);
+      }
+      if (times.length >= patience && median(times.slice(-patience)) < QUICK) return quality.move(-1);
       if (times.length > 2 * patience) times = times.slice(-patience);
       return false;
     },
 
-    /** To a plainer level (1) or a better one (−1). After each time it got too slow it waits longer. */
-    change(by) {
+    /** To a plainer level, because frames usually take so many ms; it will wait longer to go back. */
+    plainer(usual) {
+      patience = Math.min(1800, patience * 2);
+      const moved = quality.move(1);
+      before = moved ? usual : 0;
+      return moved;
+    },
+
+    /** The plainer level was no quicker: something else is slow, and what is seen is not worse for it. */
+    undo() {
+      held = HELD;
+      return quality.move(-1);
+    },
+
+    move(by) {
       const next = Math.min(LEVELS.length - 1, Math.max(0, quality.level + by));
-      times = [];
-      if (by > 0) patience = Math.min(1800, patience * 2);
+      [times, before] = [[], 0];
       if (next === quality.level) return false;
       quality.level = next;
       return true;

@@ -70,6 +70,7 @@ function makeActor(scene, item) {
   return { id, colour, look, note, body, pose: makePose(body), track: new Track(item.frames), row: 0 };
 }
 
+/** An actor's pose; ghosts are seen only from their first frame to their last. */
 function poseActor(actor, time) {
   const { body, pose, track } = actor;
   actor.seen = track.pieces.length > 0

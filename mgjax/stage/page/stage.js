@@ -5,8 +5,7 @@ import { content, labelsOf } from './content.js';
 import { createRenderer } from './draw/renderer.js';
 import { createHands, thingUnder } from './hands.js';
 import { THEMES } from './look.js';
-import { drawOverlay } from './overlay.js';
-import { asPicture, boxesOver, clearPaper, makePaper } from './paper.js';
+import { asPicture, boxesOver, createPaper } from './paper.js';
 import { bodyAt, floorAt } from './pick.js';
 import { listen } from './pointer.js';
 import { createQuality, firstLevel, LEVELS } from './quality.js';
@@ -29,13 +28,13 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
   const scene = createScene();
   const camera = createCamera();
   const quality = createQuality(firstLevel(gl));
-  const paper = makePaper(canvas);
+  const paper = createPaper(canvas);
   const heard = { frame: [], click: [], floor: [], thing: [], tick: [] };
   const tell = (name, what) => [...heard[name]].forEach((callback) => callback(what));
   const hands = createHands(scene, camera, tell);
   const state = {
     time: 0, dark, follow: null, offset: [0, 0, 0], posed: false, dirty: true, request: 0,
-    last: 0, running: false, gone: false, over: [],
+    last: 0, drawn: false, gone: false, over: [],
   };
 
   function hear(name, callback) {
@@ -62,12 +61,14 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
     for (const tick of [...heard.tick]) more = tick(now) || more;
     lead();
     if (camera.step(seconds, false)) [state.dirty, more] = [true, true];
-    if (state.dirty && draw(quality.now)) {
-      if (quality.frame(now, state.running)) [state.dirty, more] = [true, true];
+    const drawn = state.dirty && draw(quality.now);
+    if (drawn) {
+      state.dirty = quality.frame(now, state.drawn);
       tell('frame', now);
     }
-    state.running = more;
-    if (more) wake(false);
+    state.drawn = drawn;
+    // One more after each that was drawn, so that whoever draws all the time misses none.
+    if (more || drawn) wake(false);
   }
 
   function pose() {
@@ -99,10 +100,10 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
     const theme = THEMES[state.dark ? 'dark' : 'light'];
     const view = { camera, theme, width, height, ratio, quality: { shadow, taps, samples } };
     renderer.draw(view, scene.drawn(state.time, camera.eye));
-    clearPaper(paper, wide, high);
-    const labels = labelsOf(scene);
-    const taken = boxesOver(canvas, state.over);
-    drawOverlay(paper, { camera, theme, labels, taken, handles: hands.shown, held: hands.axis });
+    paper.write({
+      camera, theme, labels: labelsOf(scene, hands.shown?.id), taken: boxesOver(canvas, state.over),
+      handles: hands.shown, held: hands.axis,
+    });
     return true;
   }
 
@@ -231,7 +232,7 @@ export function createStage(canvas, { dark = false, wheel = 'always' } = {}) {
       renderer?.free();
       renderer = null;
       scene.clear();
-      paper.canvas.remove();
+      paper.remove();
       gl.getExtension('WEBGL_lose_context')?.loseContext();
     },
   };

@@ -7,12 +7,13 @@ import { PALETTE } from './look.js';
  * Fills `lanes` with a timeline.
  * @param {HTMLElement} lanes
  * @param {HTMLInputElement} scrub the slider, kept
- * @param {{seconds?: number, spans?: object[], moments?: [string, number][]}} show
+ * @param {{begin?: number, seconds?: number, spans?: object[], moments?: [string, number][]}} show
  * @param {(time: number) => void} seek
  * @returns {{at(time: number): void}} moves the head
  */
-export function drawTimeline(lanes, scrub, { seconds = 0, spans = [], moments = [] }, seek) {
-  const share = (time) => (seconds > 0 ? Math.min(1, Math.max(0, time / seconds)) : 0);
+export function drawTimeline(lanes, scrub, { begin = 0, seconds = 0, spans = [], moments = [] }, seek) {
+  const whole = seconds - begin;
+  const share = (time) => (whole > 0 ? Math.min(1, Math.max(0, (time - begin) / whole)) : 0);
   const head = element('div', { class: 'mg-head' });
   const rows = [...new Set(spans.map(({ row }) => row))];
   const track = element('div', { class: 'mg-track' });
@@ -28,7 +29,7 @@ export function drawTimeline(lanes, scrub, { seconds = 0, spans = [], moments = 
   track.addEventListener('pointerdown', (event) => {
     if (event.target === scrub || event.target.closest('.mg-moment')) return;
     const box = track.getBoundingClientRect();
-    seek(((event.clientX - box.left) / Math.max(1, box.width)) * seconds);
+    seek(((event.clientX - box.left) / Math.max(1, box.width)) * whole + begin);
   });
   lanes.classList.toggle('mg-named', rows.length > 0);
   lanes.replaceChildren(names, track);

@@ -70,7 +70,10 @@ class Frames:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Actor:
-    """A body that moves; ``look`` ``ghost`` is drawn see-through. ``note`` stands over its head."""
+    """A body that moves, and stands still before its first frame and after its last.
+
+    A ``ghost`` is drawn see-through, and only while its frames last. ``note`` stands over the head.
+    """
 
     id: str
     body: int

@@ -134,10 +134,11 @@ def test_real_kick(made_set: ClipSet, capture: Path) -> None:
 def frames_of(clip: Clip, *, first_stream: int = 1) -> list[SensorFrame]:
     """A clip as frames without a sender."""
     places = np.asarray(global_positions(clip.skeleton, clip.motion))
+    turns = np.asarray(clip.motion.local_rotations)
     return [
         SensorFrame(
             time_s=k / 60, arrival_s=k / 60, stream=first_stream, body=clip.skeleton,
-            positions=place, held=0,
+            positions=place, rotations=turns[k], held=0,
         )
         for k, place in enumerate(places)
     ]  # fmt: skip

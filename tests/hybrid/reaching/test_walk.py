@@ -13,6 +13,7 @@ from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
 from mgjax.hybrid.config import PathConfig, ReachConfig
 from mgjax.hybrid.ik.limbs import find_limb
+from mgjax.hybrid.paths.search import follow
 from mgjax.hybrid.paths.sketch import make_sketch
 from mgjax.hybrid.reaching.result import ReachResult
 from mgjax.hybrid.reaching.targets import make_target
@@ -205,3 +206,20 @@ def test_a_blend_of_no_length_is_at_once() -> None:
     np.testing.assert_allclose(
         result.motion.local_rotations[before], result.plain.local_rotations[before], atol=1e-6
     )
+
+
+def test_a_known_walk_is_reached_on_without_another_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    target = make_target("right_hand", place=[-0.35, 1.2, 2.2], when="passing", hold_s=0.2)
+    whole = go(target)
+    walked = follow(walking(), LINE, config=BEAM)
+    monkeypatch.delattr("mgjax.hybrid.reaching.walk.follow")
+    known = reach(walking(), LINE, (target,), path=BEAM, walked=walked)
+    np.testing.assert_array_equal(known.motion.local_rotations, whole.motion.local_rotations)
+
+
+def test_what_is_drawn_away_from_its_target_is_missed() -> None:
+    places = ([-0.3, 1.2, 2.2], [-0.3, 1.9, 2.3])
+    result = go(*(make_target("right_hand", place=p, when="passing", hold_s=0.3) for p in places))
+    for row in result.targets:
+        assert (row.status == "reached") == (row.hold_m <= ReachConfig().hold_m)
+    assert "missed" in [row.status for row in result.targets]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
-
-import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.choice.selection import Selection
@@ -16,7 +15,8 @@ from mgjax.stage.apps.edit.library import Entry
 from mgjax.stage.apps.edit.seam import Seam
 from mgjax.stage.serve.session import Message
 from mgjax.stage.show.motion import motion_show
-from mgjax.stage.show.types import Ball, Show, Span, show_value
+from mgjax.stage.show.selection import selection_show
+from mgjax.stage.show.types import Show, Span, show_value
 
 
 def entry_row(entry: Entry, book: LabelBook) -> dict[str, Any]:
@@ -72,14 +72,8 @@ def seam_show(graph: MotionGraph, seam: Seam) -> Show:
         Span(row="plays", start=seam.stop, end=show.seconds, text=two[0], colour="green"),
     ]
     words = f"{one[0]} at {one[1]:.2f} s leads to {two[0]} at {two[1]:.2f} s"
-    return Show(
-        title=show.title,
-        words=words,
-        seconds=show.seconds,
-        bodies=show.bodies,
-        actors=show.actors,
-        spans=[span for span in spans if span.end > span.start],
-    )
+    spans = [span for span in spans if span.end > span.start]
+    return replace(show, words=words, spans=spans, notes=seam_rows(seam))
 
 
 def seam_rows(seam: Seam) -> list[tuple[str, str]]:
@@ -97,32 +91,9 @@ def seam_rows(seam: Seam) -> list[tuple[str, str]]:
     return rows
 
 
-def throw_words(graph: MotionGraph, attack: Attack, selection: Selection, what: str) -> str:
-    """What came of a ball of the coverage map."""
-    clear = selection.clearance_m
-    if selection.part is None or clear is None:
-        return f"No candidate: {what}."
-    kind = graph.label_kind[selection.part]
-    if selection.status == "avoided":
-        return f"Avoided by {kind}, {100 * clear:.0f} cm clear: {what}."
-    return f"Hit, {-100 * min(clear, 0):.0f} cm deep during {kind}: {what}."
-
-
-def throw_show(graph: MotionGraph, attack: Attack, selection: Selection, words: str) -> Show:
-    """The character's answer, and the ball that flies by."""
-    show = motion_show(graph.skeleton, selection.motion, title="A ball of the coverage map")
-    times = np.asarray(attack.times, np.float32)
-    ball = Ball(
-        id="ball",
-        radius=float(attack.radii[0]),
-        times=times,
-        places=np.asarray(attack.centres[:, 0], np.float32),
-    )
-    return Show(
-        title=show.title,
-        words=words,
-        seconds=show.seconds,
-        bodies=show.bodies,
-        actors=show.actors,
-        balls=[ball],
-    )
+def throw_show(graph: MotionGraph, attack: Attack, selection: Selection, what: str) -> Show:
+    """A ball of the coverage map and the answer to it; ``what`` says which ball it is."""
+    show = selection_show(graph, attack, selection, title="A ball of the coverage map")
+    words = f"{show.words[:1].upper()}{show.words[1:]}: {what}."
+    passes = [moment for moment in show.moments if moment[0] == "ball passes"]
+    return replace(show, words=words, moments=passes)  # the span says when the avoidance begins

@@ -12,12 +12,10 @@ from mgjax.stage.apps.edit.cover import MOST_ROUNDS, throw_of_cell
 from mgjax.stage.apps.edit.messages import (
     clip_show,
     labels_message,
-    seam_rows,
     seam_show,
     sentence,
     show_message,
     throw_show,
-    throw_words,
 )
 from mgjax.stage.apps.edit.seam import seam_of
 from mgjax.stage.apps.edit.table import Extent
@@ -198,7 +196,7 @@ class EditSession:
                 "event": "seam",
                 "edge": edge,
                 "words": show.words,
-                "rows": seam_rows(seam),
+                "rows": show.notes,
             }
         )
         self._send(show_message(show, of="transition", edge=edge))
@@ -214,7 +212,6 @@ class EditSession:
         turn = self._throws.get(cell, 0)
         attack, selection, what = throw_of_cell(graph, self._bench.config, found, *cell, turn)
         self._throws[cell] = turn + 1
-        words = throw_words(graph, attack, selection, what)
-        show = throw_show(graph, attack, selection, words)
+        show = throw_show(graph, attack, selection, what)
         self._send(show_message(show, of="throw", direction=cell[0], height=cell[1]))
-        self._send(sentence(words, "good" if selection.status == "avoided" else "bad"))
+        self._send(sentence(show.words, "good" if selection.status == "avoided" else "bad"))

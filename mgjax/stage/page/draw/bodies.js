@@ -95,8 +95,9 @@ export function createBodies(kit) {
   return {
     /** Sends the poses; each actor gets its row. */
     prepare(actors, bodies) {
+      const kept = new Set([...bodies, ...actors.map(({ body }) => body)]);
       for (const [body, { parts }] of meshes) {
-        if (bodies.includes(body)) continue;
+        if (kept.has(body)) continue;
         kit.drop(...parts);
         meshes.delete(body);
       }

@@ -130,7 +130,6 @@ function createShape(kit, program, flat) {
   const { numbers, index } = surface(flat);
   const array = kit.vertices();
   gl.bindVertexArray(array);
-  gl.bindBuffer(gl.ARRAY_BUFFER, kit.buffer());
   const [vertices, order, instances] = [kit.buffer(), kit.buffer(), kit.buffer()];
   gl.bindBuffer(gl.ARRAY_BUFFER, vertices);
   gl.bufferData(gl.ARRAY_BUFFER, numbers, gl.STATIC_DRAW);

@@ -58,6 +58,7 @@ export function createClipList(parent, { onPick, onUse }) {
       found += row.hidden ? 0 : 1;
     }
     none.hidden = found > 0;
+    list.scrollTop = 0;
   }
 
   return {
@@ -111,5 +112,5 @@ export function createClipList(parent, { onPick, onUse }) {
 function summary({ frames, rate, lines, problem }) {
   const seconds = `${(frames / rate).toFixed(1)} s`;
   const odd = lines.length > 1 ? ` · ${lines.length - 1} ${lines.length > 2 ? 'oddities' : 'oddity'}` : '';
-  return problem ? `${seconds} · labels overlap` : seconds + odd;
+  return problem ? `${seconds} · labels do not fit` : seconds + odd;
 }

@@ -17,6 +17,8 @@ export function createCoverage({ ui, side, send, dock }) {
   });
   const words = ui.sentence(panel, 'coverage-words');
   words.set('');
+  const heading = element('p', { class: 'mg-label ed-heading', text: 'Avoided by, % of all balls', hidden: true });
+  panel.append(heading);
   const kinds = ui.bars(panel, 'coverage-kinds');
   panel.append(element('p', {
     class: 'mg-empty',
@@ -33,11 +35,14 @@ export function createCoverage({ ui, side, send, dock }) {
     set(note) {
       map.set(note);
       words.set(`${note.sentence}.`);
-      kinds.set(note.kinds.map(([name, value]) => ({ name, value, of: Math.max(...note.kinds.map((k) => k[1])) })));
+      heading.hidden = note.kinds.length === 0;
+      const most = Math.max(...note.kinds.map(([, share]) => share));
+      kinds.set(note.kinds.map(([name, share]) => ({ name: name.replaceAll('_', ' '), value: 100 * share, of: 100 * most })));
     },
     clear() {
       map.clear();
       words.set('');
+      heading.hidden = true;
       kinds.set([]);
     },
     working({ running }) { go.disabled = running; },

@@ -20,7 +20,7 @@ export function createGraph({ ui, side, send, say, dock, onClip }) {
     say,
   });
   const state = { clip: null, alone: true };
-  const counts = element('span', { class: 'ed-counts', 'data-name': 'counts' });
+  const counts = element('span', { class: 'ed-counts', 'data-name': 'counts', title: 'Transitions that are drawn' });
   dock.tools.append(counts);
   const icon = (label, name, title, by) => {
     const made = ui.button(dock.tools, { label, name, title, onClick: () => picture.step(by) });
@@ -50,7 +50,7 @@ export function createGraph({ ui, side, send, say, dock, onClip }) {
 
   function count() {
     const { shown, all } = picture.counts;
-    counts.textContent = all ? `${shown.toLocaleString('en')} of ${all.toLocaleString('en')} arcs` : '';
+    counts.textContent = all ? `${shown.toLocaleString('en')} of ${all.toLocaleString('en')}` : '';
     legend.set(picture.range);
     most.element.querySelector('output').textContent = shown.toLocaleString('en');
   }

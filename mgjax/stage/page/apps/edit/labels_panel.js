@@ -134,7 +134,7 @@ function createForm({ ui, panel, send, state, clip, remove }) {
   let direction = null;
   let known = '';
   const genuine = ui.toggle(whole, {
-    label: 'A real evasion', name: 'genuine', title: 'Off: an exercise that resembles one',
+    label: 'A real evasion (solid; else dashed)', name: 'genuine', title: 'Off: an exercise that resembles one',
     onChange: (value) => change({ genuine: value }),
   });
   const when = element('p', { class: 'ed-when', 'data-name': 'label-seconds' });
