@@ -26,7 +26,7 @@ from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.choice.selection import select
-from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
+from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig, for_body
 from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.timing.time_scale import OK
@@ -104,6 +104,7 @@ def penetrations(
     config = AvoidanceConfig()
     config = replace(config, energy=replace(config.energy, form=form))
     prepared = prepared_for(graph, config)
+    config = for_body(config, graph.body_scale)
     tables, device = prepared.tables, prepared.device
     found: list[np.ndarray] = []
     for node, attack in balls:

@@ -75,7 +75,7 @@ def run(config: Config) -> Results:
     graph, settings = graph_of(config.graph), config.avoidance
     tables = prepared_for(graph, settings).tables
     start = time.perf_counter()
-    slices = build_slices(tables)
+    slices = build_slices(tables, graph.body_scale)
     build_s = time.perf_counter() - start
     scene = Scene(
         graph=graph,

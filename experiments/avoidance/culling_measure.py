@@ -13,12 +13,13 @@ import numpy as np
 from experiments.avoidance.throws import Throws
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
+from mgjax.avoidance.attacks.transform import of_size
 from mgjax.avoidance.body.edge_tables import EdgeTables
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.choice.continuation import continue_clear
 from mgjax.avoidance.choice.decision import best_of
 from mgjax.avoidance.choice.start import Query
-from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.culling.cull import cull, timing_of
 from mgjax.avoidance.culling.overlap import overlap_pixels
 from mgjax.avoidance.culling.pictures import Form, Slices
@@ -61,7 +62,7 @@ class Ball:
 
 def balls_of(scene: Scene, throws: Throws) -> list[Ball]:
     """The balls that have candidates."""
-    settings, found = scene.settings, []
+    settings, found = for_body(scene.settings, scene.graph.body_scale), []
     for number in range(len(throws)):
         attack, node = throws.attack(number), throws.node_of(number, scene.graph)
         crop = crop_attack(attack, radius=settings.crop_radius_m, height=settings.crop_height_m)
@@ -86,7 +87,7 @@ def check_all(scene: Scene, balls: list[Ball], most: int, seed: int) -> dict[str
     rows: dict[str, list] = {"ball": [], "clear": [], **{form: [] for form in FORMS}}
     for number, ball in enumerate(balls):
         status, scales = timed(scene, ball)
-        drawn = draw_attack(ball.attack, ball.crop)
+        drawn = draw_attack(of_size(ball.attack, 1 / scene.graph.body_scale), ball.crop)
         assert drawn is not None
         pixels = {
             form: overlap_pixels(scene.slices, ball.candidates, scales, drawn, ball.crop, form=form)

@@ -16,7 +16,7 @@ from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_motion
 from mgjax.avoidance.choice.selection import Selection, select
-from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.core.errors import AttackError
@@ -128,6 +128,7 @@ def answer_unscaled(graph: MotionGraph, throws: Throws, config: AvoidanceConfig)
     is what one of them, with one of a few random continuations, stays clear of.
     """
     tables = prepared_for(graph, config).tables
+    config = for_body(config, graph.body_scale)
     outcomes: list[str] = []
     gaps: list[float] = []
     for number in range(len(throws)):

@@ -38,15 +38,15 @@ class Found:
 def find_again(
     clips: ClipSet, analysis: AnalysisConfig, disturb: Disturbance, size: float = 1.0
 ) -> Found:
-    """Analyses all clips as ``disturb`` shows them; the threshold grows with the body."""
+    """Analyses all clips as ``disturb`` shows them, of a body so many times as large."""
     rate = clips.motion.frame_rate
-    settings = replace(analysis, height_m=analysis.height_m * size)
+    body = replace(clips.skeleton, offsets=clips.skeleton.offsets * np.float32(size))
     number: list[int] = []
     vectors: list[MotionVectors] = []
     missed, spurious = [], 0
     for clip, (first, stop) in enumerate(zip(clips.clip_starts, clips.clip_stops, strict=True)):
         shown = disturb(clips.positions[first:stop].astype(np.float64))
-        hits: list[BoneHit] = analyse(clips.skeleton, shown, rate, bones=FEET, config=settings)
+        hits: list[BoneHit] = analyse(body, shown, rate, bones=FEET, config=analysis)
         wanted = [int(h) for h in np.flatnonzero(clips.hit_clip == clip)]
         for item in hits:
             at = item.hit.fastest + first

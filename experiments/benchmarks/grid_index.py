@@ -16,9 +16,10 @@ import numpy as np
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
+from mgjax.avoidance.attacks.transform import of_size
 from mgjax.avoidance.body.edge_tables import EdgeTables
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
-from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.index.build import build_index
 from mgjax.avoidance.index.index import GridIndex
 from mgjax.avoidance.index.swept_cells import swept_cells
@@ -71,6 +72,7 @@ def lookup_row(
     graph: MotionGraph, tables: EdgeTables, index: GridIndex, config: AvoidanceConfig
 ) -> dict[str, Any]:
     """Seeded balls at random nodes, each looked up and enumerated."""
+    config = for_body(config, graph.body_scale)
     rng = np.random.default_rng(0)
     times, found, all_ = [], [], []
     for _ in range(WARM + BALLS):
@@ -78,7 +80,7 @@ def lookup_row(
         crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
         assert crop is not None
         clock = [time.perf_counter()]
-        cells = swept_cells(attack, crop)
+        cells = swept_cells(of_size(attack, 1 / index.scale), crop)
         clock.append(time.perf_counter())
         paths = None if cells is None else index.in_time(node, crop.middle, config.T_window)
         candidates = None

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from mgjax.clips.types import Clip
 from mgjax.core import planar
+from mgjax.core.body.height import body_scale
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import resample
 from mgjax.graph.build import joint_weights
@@ -15,7 +16,7 @@ from mgjax.graph.config import GraphConfig
 from mgjax.graph.distance import distance_matrix
 from mgjax.graph.minima import find_minima
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.config import PathConfig
+from mgjax.hybrid.config import PathConfig, path_for_body
 from mgjax.hybrid.macro.macro_edges import build_macro_edges
 from mgjax.hybrid.paths.beam import run_beam
 from mgjax.hybrid.paths.branch_and_bound import branch_and_bound
@@ -43,7 +44,7 @@ def error_figure(pair: tuple[Clip, Clip], config: GraphConfig) -> Figure:
         weights,
         window=window,
         neighbourhood=config.neighbourhood,
-        threshold=config.threshold_m or config.max_threshold_m,
+        threshold=body_scale(skeleton) * (config.threshold_m or config.max_threshold_m),
     )
     across = (minima.rows < len(a)) & (minima.columns >= len(a))
     figure = Figure(figsize=(12, 5.5), layout="constrained")
@@ -78,8 +79,8 @@ def fewer_figure(sketch: Sketch, walks: dict[str, tuple[MotionGraph, PathResult]
 
 def unrolled_figure(graph: MotionGraph, sketch: Sketch, config: PathConfig) -> Figure:
     """The partial walks that one horizon of the exact search remembers, and the best of them."""
-    curve = make_curve(sketch)
-    request = make_request(curve, sketch, config)
+    curve = make_curve(sketch, graph.body_scale)
+    request = make_request(curve, sketch, path_for_body(config, graph.body_scale))
     search = Search(macro_edges=build_macro_edges(graph), request=request)
     state = np.zeros((graph.num_nodes, 5), dtype=np.float32)
     state[:, :3] = curve.start()

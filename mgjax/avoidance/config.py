@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 from weakref import WeakValueDictionary
 
+from mgjax.core.body.sized import sized
 from mgjax.core.errors import ConfigError
 from mgjax.core.ranges import Ranges, check_ranges
 from mgjax.core.traced import Number
@@ -16,7 +17,7 @@ BALL_RADIUS_M = 0.12
 BALL_SPEED_M_S = 10.0
 """Speed of the balls by which the coverage of a graph is measured."""
 HEIGHTS_M = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7)
-"""Where they pass the body's axis: from the shins to the head."""
+"""Where they pass the axis of an adult's body: from the shins to the head."""
 ARRIVALS_S = (0.8, 1.2, 1.6)
 """When they are there, from now."""
 DIRECTIONS = 16
@@ -29,7 +30,8 @@ NODES = 256
 class EnergyConfig:
     """How a candidate path is judged (Oshita & Masaoka 2011, §4.2, eqs 4–10).
 
-    The numbers are traced, the two strings are static.
+    The numbers are traced, the two strings are static. A search takes ``E_avoidance`` and
+    ``D_body`` to be an adult's, and scales them to the body of its graph (:func:`for_body`).
 
     Attributes:
         form: what counts as penetrating the avoidance volume. ``"paper"``: every sphere that is
@@ -65,9 +67,9 @@ class SpeedConfig:
     """Which edges may change their speed (§4.1), by their largest end-effector speed, m/s.
 
     An edge above ``V_fast`` may be slowed down, one between ``V_still`` and ``V_slow`` sped up, one
-    below ``V_still`` both. The printed values are 0.3, 0.1 and 0.0: no edge is ever still and
-    nearly every edge of real capture may only be slowed down. The defaults were chosen by
-    measurement; with them an edge up to ``V_slow`` may also be sped up.
+    below ``V_still`` both; they are an adult's (:func:`for_body`). The printed values are 0.3, 0.1
+    and 0.0: no edge is ever still and nearly every edge of real capture may only be slowed down.
+    The defaults were chosen by measurement; with them an edge up to ``V_slow`` may also be sped up.
     """
 
     V_fast: float = 0.3
@@ -84,7 +86,7 @@ class AvoidanceConfig:
         speed: which edges may change speed.
         T_window: width of the window of eq. 1 around the time of the attack, s.
         crop_radius_m, crop_height_m: the part of an attack within this cylinder around the root
-            counts for energies and timing.
+            counts for energies and timing; of an adult, m (:func:`for_body`).
         body_rate: samples per second of the body volume, per edge. The paper's 10 Hz are off by up
             to 14 cm in between; at the capture's rate ranking and final check agree. At a rate
             other than the graph's no bound on clearances is certain: every candidate is then
@@ -136,6 +138,29 @@ _RANGES: Ranges = {
     "speed.V_still": (0.0, math.inf),
 }
 """Smallest and largest value of each setting that is a number."""
+
+_SPEEDS = ("V_fast", "V_slow", "V_still")
+_ENERGIES = ("E_avoidance", "D_body")
+"""In m·s and m: times stay."""
+
+
+def for_body(config: AvoidanceConfig, scale: float) -> AvoidanceConfig:
+    """The settings in metres and m/s of one body, from those of an adult.
+
+    Args:
+        config: the settings as a user writes them.
+        scale: of the body; see :func:`mgjax.core.body.height.body_scale`.
+    """
+    if scale == 1:
+        return config
+    return replace(  # all at once: searches call this for every attack
+        config,
+        crop_radius_m=scale * config.crop_radius_m,
+        crop_height_m=scale * config.crop_height_m,
+        energy=sized(config.energy, _ENERGIES, scale),
+        speed=sized(config.speed, _SPEEDS, scale),
+    )
+
 
 _IN_RANGE: WeakValueDictionary[int, AvoidanceConfig] = WeakValueDictionary()
 """Settings that were found in range, by identity: equal ones may differ in type (1 and True), and

@@ -9,7 +9,7 @@ import jax
 from mgjax.avoidance.body.device_tables import DeviceTables, device_tables
 from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
 from mgjax.avoidance.body.poses import GraphPoses, PosedGraph, body_reach, graph_poses
-from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig, validate_config
+from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig, for_body, validate_config
 from mgjax.avoidance.culling.pictures import Slices, build_slices
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.core.errors import ConfigError
@@ -23,7 +23,7 @@ class Prepared:
 
     Attributes:
         graph: a motion graph.
-        body_rate, speed: the settings that the tables were made with.
+        body_rate, speed: the settings that the tables were made with, as they were given.
         tables: what is known of edges and avoidance parts, on the host.
         device: what compiled code reads of it.
         posed: the poses of the graph, for the exact check.
@@ -64,7 +64,7 @@ def prepare(
     config = config or AvoidanceConfig()
     validate_config(config)
     made = _make(graph, config)
-    slices = _slices(made.tables) if config.culling != "none" else None
+    slices = _slices(graph, made.tables) if config.culling != "none" else None
     return _joined(graph, config, made, slices, index)
 
 
@@ -84,7 +84,7 @@ def prepared_for(
     made = cached(graph, key, lambda: _make(graph, config))
     slices = None
     if config.culling != "none":
-        slices = cached(graph, ("slices", config.body_rate), lambda: _slices(made.tables))
+        slices = cached(graph, ("slices", config.body_rate), lambda: _slices(graph, made.tables))
     return _joined(graph, config, made, slices, index)
 
 
@@ -103,12 +103,12 @@ def _make(graph: MotionGraph, config: AvoidanceConfig) -> _Made:
     poses = graph_poses(graph, tables.spheres)
     reach = body_reach(graph.skeleton, tables.spheres)
     posed = PosedGraph(graph=graph, poses=poses, reach=reach)
-    device = device_tables(posed, tables, config.speed)
+    device = device_tables(posed, tables, for_body(config, graph.body_scale).speed)
     return _Made(tables=tables, device=device, poses=poses, reach=reach)
 
 
-def _slices(tables: EdgeTables) -> Slices:
-    return jax.device_put(build_slices(tables))
+def _slices(graph: MotionGraph, tables: EdgeTables) -> Slices:
+    return jax.device_put(build_slices(tables, graph.body_scale))
 
 
 def _joined(

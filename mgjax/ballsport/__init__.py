@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from mgjax.ballsport.hits.motion_vectors import motion_vector as motion_vector
     from mgjax.ballsport.hits.stream import HitStream as HitStream
     from mgjax.ballsport.live.choice import SensorChoice as SensorChoice
+    from mgjax.ballsport.live.open_scene import OpenScene as OpenScene
+    from mgjax.ballsport.live.open_scene import ScenePart as ScenePart
     from mgjax.ballsport.live.recogniser import LiveDriver as LiveDriver
     from mgjax.ballsport.live.recogniser import PassDecision as PassDecision
     from mgjax.ballsport.scene.ball_track import BallEvent as BallEvent
@@ -105,6 +107,7 @@ else:
             "motion_vector": "mgjax.ballsport.hits.motion_vectors",
             "MotionVectors": "mgjax.ballsport.hits.motion_vectors",
             "Net": "mgjax.ballsport.ball.physics",
+            "OpenScene": "mgjax.ballsport.live.open_scene",
             "Pass": "mgjax.ballsport.scene.config",
             "PassDecision": "mgjax.ballsport.live.recogniser",
             "Player": "mgjax.ballsport.scene.config",
@@ -116,6 +119,7 @@ else:
             "Replayed": "mgjax.sensor.replay",
             "Scene": "mgjax.ballsport.scene.build",
             "SceneConfig": "mgjax.ballsport.scene.config",
+            "ScenePart": "mgjax.ballsport.live.open_scene",
             "SensorChoice": "mgjax.ballsport.live.choice",
             "SensorFrame": "mgjax.sensor.frames",
             "SensorReceiver": "mgjax.sensor.receiver",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from mgjax.core.body.sized import sized
 from mgjax.core.errors import ConfigError, SkeletonError
 from mgjax.core.ranges import Ranges, check_ranges
 
@@ -79,6 +80,9 @@ def hit_bone(name: str) -> HitBone:
 @dataclass(frozen=True, kw_only=True)
 class AnalysisConfig:
     """How hits are found in the height and the speed of a hit bone (Choi et al. 2019, §3).
+
+    Of a body they are those of an adult, and scaled to it (:func:`analysis_for_body`); of the path
+    of one point they are as they stand.
 
     Attributes:
         height_m: a frame F_H is a local maximum of the height above this, m over the floor. The
@@ -164,6 +168,16 @@ class ClipSetConfig:
     analysis: AnalysisConfig = AnalysisConfig()
     kinds: KindConfig = KindConfig()
     transition: TransitionConfig = TransitionConfig()
+
+
+def analysis_for_body(config: AnalysisConfig, scale: float) -> AnalysisConfig:
+    """The thresholds for one body, from those of an adult.
+
+    Args:
+        config: thresholds as a user writes them.
+        scale: of the body; see :func:`mgjax.core.body.height.body_scale`.
+    """
+    return sized(config, ("height_m", "margin_m"), scale)
 
 
 _ANALYSIS: Ranges = {

@@ -19,7 +19,7 @@ from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.decision import best_of
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.start import ask
-from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.culling.cull import PIXELS
 from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.index.protocol import CandidateIndex
@@ -45,11 +45,11 @@ class Ball:
 
 
 def random_balls(graph: MotionGraph, count: int, seed: int) -> list[Ball]:
-    """10 m/s from any side, 0.5–1.7 m high at the body's axis, there in 1.2 s, random nodes."""
+    """10 m/s from any side, there in 1.2 s, at random nodes: 0.5–1.7 m high at an adult's axis."""
     rng = np.random.default_rng(seed)
     balls = []
     for _ in range(count):
-        side, height = rng.uniform(0, 2 * np.pi), rng.uniform(0.5, 1.7)
+        side, height = rng.uniform(0, 2 * np.pi), graph.body_scale * rng.uniform(0.5, 1.7)
         node = int(rng.integers(graph.num_nodes))
         balls.append(Ball(node=node, attack=ball_from(side, height, distance=DISTANCE_M)))
     return balls
@@ -148,8 +148,8 @@ def evaluation_rows(
     graph: MotionGraph, ball: Ball, *, sizes: Sequence[int] = (8, 128, 10_000), repeats: int = 15
 ) -> list[dict[str, Any]]:
     """The evaluation alone (timing and energies) of given numbers of candidates."""
-    config = AvoidanceConfig()
-    device = prepared_for(graph, config).device
+    device = prepared_for(graph, AvoidanceConfig()).device
+    config = for_body(AvoidanceConfig(), graph.body_scale)
     crop = crop_attack(ball.attack, radius=config.crop_radius_m, height=config.crop_height_m)
     assert crop is not None
     pool = _many_candidates(graph, max(sizes), crop.middle)

@@ -104,7 +104,7 @@ def throw_balls(graph: MotionGraph, balls: int, seed: int) -> tuple[list[Throw],
     walks: list[Walk] = []
     for number in range(balls):
         side = rng.uniform(0, 2 * np.pi)
-        attack = ball_from(float(side), HEIGHTS_M[number % len(HEIGHTS_M)])
+        attack = ball_from(float(side), graph.body_scale * HEIGHTS_M[number % len(HEIGHTS_M)])
         selection = select(graph, node, attack, config=config, seed=seed + number)
         throws.append(Throw(attack=attack, selection=selection))
         walks.append(selection.walk)

@@ -64,9 +64,11 @@ def main(arguments: list[str] | None = None) -> int:
         config=(tyro.conf.FlagCreatePairsOff, tyro.conf.HelptextFromCommentsOff),
     )
     from mgjax.core.errors import MgjaxError
-    from mgjax.core.xla.compilation import enable_cache
 
-    enable_cache()
+    if not isinstance(command, View):  # its server computes nothing, and is there at once
+        from mgjax.core.xla.compilation import enable_cache
+
+        enable_cache()
     try:
         command = with_user_paths(command)
         importlib.import_module(f"mgjax.cli.{MODULES[type(command)]}").run(command)

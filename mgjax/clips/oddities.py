@@ -10,16 +10,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mgjax.core.body.height import body_scale
 from mgjax.core.body.roles import find_role
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 
 MAX_SPEED_M_S = 25.0
-"""A hard kick or throw moves the fastest joint at 15–20 m/s."""
+"""A hard kick or throw of an adult moves the fastest joint at 15–20 m/s."""
 
 MIN_JUMP_M = 0.15
-"""Smaller steps are noise, not a jump, whatever the frame rate makes of their speed."""
+"""Smaller steps of an adult are noise, not a jump, whatever the frame rate makes of their speed."""
 
 FLOOR_TOLERANCE_M = 0.03
 """Capture is not calibrated better than this."""
@@ -28,7 +29,8 @@ SLOW_FPS = 10.0
 """No capture is slower; a header that says so is wrong."""
 
 SETTLED_M = 0.02
-"""Movement in a frame below which a pose that a T-pose was blended into counts as free of it."""
+"""Movement of an adult in a frame below which a pose that a T-pose was blended into counts as free
+of it."""
 
 _MOST = 10
 
@@ -53,19 +55,20 @@ def find_oddities(skeleton: Skeleton, motion: Motion) -> tuple[Oddity, ...]:
     """All oddities of a motion, in the order of the kinds above; at most ten jumps one by one."""
     positions = np.asarray(global_positions(skeleton, motion))
     steps = _steps(positions)
+    scale = body_scale(skeleton)
     oddities: list[Oddity] = []
     if motion.frame_rate < SLOW_FPS:
         text = f"{motion.frame_rate:g} frames a second are too few for motion; --fps says the rate"
         oddities.append(Oddity("slow_rate", None, text))
-    t_pose = _t_pose(skeleton, motion, steps)
+    t_pose = _t_pose(motion, steps, scale)
     if t_pose:
-        clean = _clean(steps, motion.frame_rate)
+        clean = _clean(steps, motion.frame_rate, scale)
         text = (
             f"frame 0 is the rest pose and {steps[0].max():.2f} m away from frame 1;"
             f" frame {clean} is the first without a trace of it"
         )
         oddities.append(Oddity("t_pose_first_frame", 0, text))
-    oddities += _jumps(skeleton, steps, motion.frame_rate, t_pose)
+    oddities += _jumps(skeleton, steps, motion.frame_rate, t_pose, scale)
     oddities += _feet(skeleton, positions)
     oddities += _bones(skeleton, motion)
     return tuple(oddities)
@@ -74,11 +77,12 @@ def find_oddities(skeleton: Skeleton, motion: Motion) -> tuple[Oddity, ...]:
 def jump_frames(skeleton: Skeleton, motion: Motion) -> np.ndarray:
     """Frames f such that the motion jumps between f − 1 and f, in rising order.
 
-    A jump is a joint faster than 25 m/s and by at least 0.15 m. The step out of a T-pose in frame 0
-    is not one of them; see :func:`first_clean_frame`.
+    A jump is a joint of an adult faster than 25 m/s and by at least 0.15 m. The step out of a
+    T-pose in frame 0 is not one of them; see :func:`first_clean_frame`.
     """
     steps = _steps(np.asarray(global_positions(skeleton, motion)))
-    return _jump_frames(steps, motion.frame_rate, _t_pose(skeleton, motion, steps))
+    scale = body_scale(skeleton)
+    return _jump_frames(steps, motion.frame_rate, _t_pose(motion, steps, scale), scale)
 
 
 def first_clean_frame(skeleton: Skeleton, motion: Motion) -> int:
@@ -87,7 +91,8 @@ def first_clean_frame(skeleton: Skeleton, motion: Motion) -> int:
     Some converters filter the angles, so that the T-pose is blended into the frames after it.
     """
     steps = _steps(np.asarray(global_positions(skeleton, motion)))
-    return _clean(steps, motion.frame_rate) if _t_pose(skeleton, motion, steps) else 0
+    scale = body_scale(skeleton)
+    return _clean(steps, motion.frame_rate, scale) if _t_pose(motion, steps, scale) else 0
 
 
 def _steps(positions: np.ndarray) -> np.ndarray:
@@ -95,13 +100,13 @@ def _steps(positions: np.ndarray) -> np.ndarray:
     return np.linalg.norm(np.diff(positions, axis=0), axis=-1)
 
 
-def _t_pose(skeleton: Skeleton, motion: Motion, steps: np.ndarray) -> bool:
+def _t_pose(motion: Motion, steps: np.ndarray, scale: float) -> bool:
     if len(steps) == 0:
         return False
     top = steps.max(axis=1)
     usual = float(np.median(top[1:])) if len(top) > 1 else 0.0
-    fast = top[0] * motion.frame_rate >= MAX_SPEED_M_S or top[0] >= 3 * usual
-    if top[0] < MIN_JUMP_M or not fast:
+    fast = top[0] * motion.frame_rate >= scale * MAX_SPEED_M_S or top[0] >= 3 * usual
+    if top[0] < scale * MIN_JUMP_M or not fast:
         return False
     # Mean angle to the rest pose. The root's rotation is a place in the world, not a pose.
     q = np.asarray(motion.local_rotations, dtype=np.float64)[:, 1:]
@@ -109,23 +114,25 @@ def _t_pose(skeleton: Skeleton, motion: Motion, steps: np.ndarray) -> bool:
     return bool(angle[0] < angle[1] and angle[0] <= 0.5 * np.median(angle[1:]))
 
 
-def _clean(steps: np.ndarray, frame_rate: float) -> int:
+def _clean(steps: np.ndarray, frame_rate: float, scale: float) -> int:
     """First frame after which the motion no longer runs away from the pose of frame 0."""
     top = steps.max(axis=1)
     window = max(round(0.15 * frame_rate), 1)
     usual = np.median(top[window : 3 * window]) if len(top) > window else 0.0
-    restless = np.flatnonzero(top[:window] > max(SETTLED_M, 2 * usual))
+    restless = np.flatnonzero(top[:window] > max(scale * SETTLED_M, 2 * usual))
     return int(restless[-1]) + 1 if restless.size else 1
 
 
-def _jump_frames(steps: np.ndarray, frame_rate: float, t_pose: bool) -> np.ndarray:
-    bound = max(MAX_SPEED_M_S / frame_rate, MIN_JUMP_M)
+def _jump_frames(steps: np.ndarray, frame_rate: float, t_pose: bool, scale: float) -> np.ndarray:
+    bound = scale * max(MAX_SPEED_M_S / frame_rate, MIN_JUMP_M)
     frames = np.flatnonzero((steps >= bound).any(axis=1)) + 1
     return frames[frames > 1] if t_pose else frames
 
 
-def _jumps(skeleton: Skeleton, steps: np.ndarray, frame_rate: float, t_pose: bool) -> list[Oddity]:
-    frames = _jump_frames(steps, frame_rate, t_pose)
+def _jumps(
+    skeleton: Skeleton, steps: np.ndarray, frame_rate: float, t_pose: bool, scale: float
+) -> list[Oddity]:
+    frames = _jump_frames(steps, frame_rate, t_pose, scale)
     oddities: list[Oddity] = []
     for frame in frames[:_MOST]:
         joint = int(np.argmax(steps[frame - 1]))

@@ -11,6 +11,7 @@ from mgjax.core.skeleton import Skeleton
 
 PLANT_HEIGHT_M = 0.05
 PLANT_SPEED_M_S = 0.2
+"""A point of an adult's foot that is lower and slower than this stands."""
 
 
 def foot_joints(skeleton: Skeleton) -> tuple[int, int]:
@@ -34,9 +35,18 @@ def planted(
     *,
     height: float = PLANT_HEIGHT_M,
     speed: float = PLANT_SPEED_M_S,
+    scale: float = 1.0,
 ) -> Bool[Array, "F K"]:
-    """Which points stand on the floor (y = 0): below ``height`` m and slower than ``speed`` m/s."""
+    """Which points stand on the floor (y = 0): those that are low and slow.
+
+    Args:
+        positions: of points of the feet, m.
+        frame_rate: frames per second.
+        height, speed: below which an adult's stand, m and m/s.
+        scale: of the body; see :func:`mgjax.core.body.height.body_scale`.
+    """
     xp = namespace(positions)
+    height, speed = scale * height, scale * speed
     velocity = joint_velocities(positions, frame_rate)
     return (positions[..., 1] < height) & (xp.sum(velocity**2, axis=-1) < speed**2)
 

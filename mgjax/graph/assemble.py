@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from mgjax.core.body.height import body_scale
 from mgjax.core.kinematics import planar_frames
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.prune import (
@@ -36,7 +37,8 @@ def assemble(
     edge_starts = np.concatenate([frames[along], first])
     edge_stops = np.concatenate([frames[along + 1], first + window])
     edge_clip = np.concatenate([clip[along], np.full(len(kept), NO_CLIP)])
-    distances = np.concatenate([np.zeros(len(along)), candidates.distances[kept]])
+    distances = body_scale(timeline.skeleton) * candidates.distances[kept]
+    distances = np.concatenate([np.zeros(len(along)), distances])
     exits = np.concatenate([np.zeros((len(along), 3)), transforms]).astype(np.float32)
     order = np.argsort(source, kind="stable")
     out_first = np.concatenate([[0], np.cumsum(np.bincount(source, minlength=len(frames)))])

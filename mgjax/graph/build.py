@@ -15,6 +15,7 @@ import numpy as np
 
 from mgjax.clips.labels import validate_labels
 from mgjax.clips.types import ClipLike, Label, Labels, as_clips
+from mgjax.core.body.height import body_scale
 from mgjax.core.body.roles import require_roles
 from mgjax.core.errors import ConfigError, GraphError, SkeletonError
 from mgjax.core.motion import Motion, validate_motion
@@ -106,6 +107,7 @@ def build_graph(
         )
     window = max(1, round(config.window_s * config.frame_rate))
     weights = joint_weights(timeline.skeleton, config.weights)
+    scale = body_scale(timeline.skeleton)
 
     def compared(share: float) -> None:
         if watch is not None:
@@ -120,7 +122,7 @@ def build_graph(
             weights,
             window=window,
             neighbourhood=config.neighbourhood,
-            threshold=limit,
+            threshold=scale * limit * (1 + 1e-12),  # what is nearest to it is decided below
             progress=progress,
             watch=compared,
         )
@@ -129,12 +131,13 @@ def build_graph(
         minima = search(_search_limit(config))
     with clock.step("prune"):
         candidates, rows, columns = _candidates(timeline, minima, window, config)
-        threshold = _threshold(candidates, minima.largest, config)
+        largest = minima.largest / scale
+        threshold = _threshold(candidates, largest, config)
         count = int(np.searchsorted(candidates.distances, threshold, side="left"))
         component = largest_component(candidates, count)
         if not component.frames:
             beyond = _candidates(timeline, search(float("inf")), window, config)[0]
-            raise _nothing_left(beyond, threshold, minima.largest, config)
+            raise _nothing_left(beyond, threshold, largest, config)
     with clock.step("transitions"):
         chains = None
         if config.clean_feet:
@@ -238,7 +241,7 @@ def _candidates(
     candidates = Candidates(
         leave=rows[ok],
         arrive=columns[ok] + window,
-        distances=minima.distances[ok],
+        distances=minima.distances[ok] / body_scale(timeline.skeleton),
         starts=timeline.starts,
         stops=timeline.stops,
         label_starts=timeline.label_starts,

@@ -13,17 +13,21 @@ from mgjax.core.ranges import Ranges, check_ranges
 class GraphConfig:
     """How a motion graph is built.
 
+    Thresholds are those of an adult (:data:`mgjax.core.body.height.ADULT_M`) and scaled to the
+    graph's body.
+
     Attributes:
         frame_rate: frames per second of the graph; clips are resampled to it.
         window_s: length of the compared and blended windows, s.
         neighbourhood: a minimum is the lowest value within this many window starts on each side.
         self_gap_s: on one clip, windows nearer in time than this make no transition.
-        threshold_m: largest distance of a transition, m RMS; None: the smallest that keeps
-            ``keep`` of the labels (or, with none, of the motion that ``max_threshold_m`` keeps).
+        threshold_m: largest distance of a transition, m RMS of an adult; None: the smallest that
+            keeps ``keep`` of the labels (or, with none, of the motion that ``max_threshold_m``
+            keeps).
         normalised: instead of ``threshold_m``, the threshold as a share of the largest distance
             (the paper's normalisation of the error to 0 … 1).
         keep: share of the labels that the automatic threshold must keep.
-        max_threshold_m: the automatic threshold may not exceed this, m.
+        max_threshold_m: the automatic threshold may not exceed this, of an adult, m.
         weights: how much each joint counts: ``"uniform"``, ``"limbs"``, or a table of joint names
             and numbers.
         mirror: adds a left-right mirrored copy of every clip.

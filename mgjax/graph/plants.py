@@ -36,7 +36,7 @@ def planted_frames(graph: MotionGraph) -> Bool[np.ndarray, "F 2"]:
     positions = graph.positions[:, feet]
     plants = np.zeros((len(graph.root_translation), 2), dtype=bool)
     for a, b in zip(graph.clip_starts, graph.clip_stops, strict=True):
-        plants[a:b] = planted(positions[a:b], graph.frame_rate)
+        plants[a:b] = planted(positions[a:b], graph.frame_rate, scale=graph.body_scale)
     edges = np.flatnonzero(graph.edge_clip == NO_CLIP)
     step = np.arange(graph.window + 1)[None]
     leave = graph.node_frame[graph.edge_source[edges]][:, None]

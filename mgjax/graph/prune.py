@@ -26,7 +26,7 @@ class Candidates:
 
     Attributes:
         leave, arrive: frame at which a transition leaves, and at which it arrives. [M]
-        distances: m. [M]
+        distances: of an adult: divided by the scale of the body, as thresholds are given, m. [M]
         starts, stops: frames of the clips. [K]
         label_starts, label_stops: frames of the labels. [P]
     """

@@ -8,6 +8,7 @@ import numpy as np
 
 from mgjax.clips.prepare import PreparedClip, graph_skeleton, prepare_clips
 from mgjax.clips.types import Clip, Label, Labels
+from mgjax.core.body.height import body_scale
 from mgjax.core.body.rest import standing_rest
 from mgjax.core.body.roles import find_role
 from mgjax.core.contacts import foot_joints, planted
@@ -94,8 +95,13 @@ def _plants(
     if find_role(skeleton, "left_ankle") is None or find_role(skeleton, "right_ankle") is None:
         return np.zeros((len(positions), 2), dtype=bool)
     feet = list(foot_joints(skeleton))
-    spans = zip(starts, stops, strict=True)
-    return np.concatenate([planted(positions[a:b, feet], frame_rate) for a, b in spans])
+    scale = body_scale(skeleton)
+    return np.concatenate(
+        [
+            planted(positions[a:b, feet], frame_rate, scale=scale)
+            for a, b in zip(starts, stops, strict=True)
+        ]
+    )
 
 
 def _centred(root: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from mgjax.core.body.height import body_scale
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
 
@@ -94,6 +95,11 @@ class MotionGraph:
     def positions(self) -> Float[np.ndarray, "F J 3"]:
         """Joint positions of all frames, in the coordinates of their clips, m."""
         return np.asarray(forward(self.skeleton, self.root_translation, self.local_rotations)[0])
+
+    @cached_property
+    def body_scale(self) -> float:
+        """How large the body is; see :func:`mgjax.core.body.height.body_scale`."""
+        return body_scale(self.skeleton)
 
     @cached_property
     def plants(self) -> Bool[np.ndarray, "F 2"]:

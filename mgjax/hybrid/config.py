@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal
 
+from mgjax.core.body.sized import sized
 from mgjax.core.errors import ConfigError
 from mgjax.core.ranges import Ranges, check_ranges
 
@@ -19,6 +20,8 @@ WIDEST = 4096
 @dataclass(frozen=True, kw_only=True)
 class PathConfig:
     """How a walk along a sketched path is searched.
+
+    ``near_m``, ``end_radius_m`` and ``margin_m`` are those of an adult (:func:`path_for_body`).
 
     Deviation: the paper's error (eq. 7) is all that counts only with ``blend_weight`` 0. The search
     then follows the path within a centimetre, but mostly by transitions between windows that differ
@@ -62,6 +65,8 @@ class PathConfig:
 class ReachConfig:
     """How hands and head reach on a walk.
 
+    ``drop_m`` and ``radius_m`` are those of an adult (:func:`reach_for_body`).
+
     Attributes:
         limits: keep the joint limits of :mod:`mgjax.hybrid.body.limb_limits`.
         extend: walk towards a target that is out of reach.
@@ -95,6 +100,21 @@ class WalkConfig:
 
     path: PathConfig = field(default_factory=PathConfig)
     reach: ReachConfig = field(default_factory=ReachConfig)
+
+
+def path_for_body(config: PathConfig, scale: float) -> PathConfig:
+    """The settings in metres of one body, from those of an adult.
+
+    Args:
+        config: as a user writes them.
+        scale: of the body; see :func:`mgjax.core.body.height.body_scale`.
+    """
+    return sized(config, ("near_m", "end_radius_m", "margin_m"), scale)
+
+
+def reach_for_body(config: ReachConfig, scale: float) -> ReachConfig:
+    """As :func:`path_for_body`; how exactly an end holds its target has nothing to do with size."""
+    return sized(config, ("drop_m", "radius_m"), scale)
 
 
 _PATH_RANGES: Ranges = {

@@ -27,11 +27,13 @@ class ReachBody:
 
     Attributes:
         skeleton: its joints.
+        scale: how large it is; see :func:`mgjax.core.body.height.body_scale`.
         capsules: its surface.
         limits: how far the joints of its limbs turn; None where reaches keep no limits.
     """
 
     skeleton: Skeleton
+    scale: float
     capsules: Capsules
     limits: LimbLimits | None
 
@@ -113,6 +115,7 @@ def prepared_for(
 def _prepare_body(graph: MotionGraph, config: ReachConfig) -> ReachBody:
     return ReachBody(
         skeleton=graph.skeleton,
+        scale=graph.body_scale,
         capsules=make_capsules(graph.skeleton),
         limits=make_limb_limits(graph) if config.limits else None,
     )

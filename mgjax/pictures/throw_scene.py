@@ -30,6 +30,7 @@ class Scene:
     throw: Throw
     positions: np.ndarray  # [F, J, 3]
     rate: float
+    scale: float  # of the body
     bones: np.ndarray  # [B, 2]
     gaps: np.ndarray  # clearance per interval of the trace
     radii: np.ndarray
@@ -64,6 +65,7 @@ def throw_scene(graph: MotionGraph, throw: Throw) -> Scene:
         throw=throw,
         positions=np.asarray(global_positions(skeleton, chosen.motion)),
         rate=chosen.motion.frame_rate,
+        scale=graph.body_scale,
         bones=np.array(bones),
         gaps=gaps,
         radii=spheres.radii,

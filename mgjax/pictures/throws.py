@@ -109,7 +109,7 @@ def _side_view(axes: Axes, scene: Scene) -> None:
                     alpha=1.0 if passing else 0.45,
                 )
             )
-            if place[0] > -2.4:
+            if place[0] > -2.4 * scene.scale:
                 axes.annotate(
                     f"{time:.1f} s",
                     (place[0], place[1]),
@@ -119,8 +119,8 @@ def _side_view(axes: Axes, scene: Scene) -> None:
                     ha="center",
                     color="#8a4b08",
                 )
-    axes.set_xlim(-2.6, 1.4)
-    axes.set_ylim(-0.05, 2.3)
+    axes.set_xlim(-2.6 * scene.scale, 1.4 * scene.scale)
+    axes.set_ylim(-0.05 * scene.scale, 2.3 * scene.scale)
     axes.set_aspect("equal")
     axes.set_xlabel("along the flight, m", fontsize=8)
     axes.set_ylabel("height, m", fontsize=8)
@@ -169,8 +169,8 @@ def _ball_view(axes: Axes, scene: Scene) -> None:
     ball = flat(passing_ball(scene))
     for centre, radius in balls_at(scene, scene.t_pass):
         axes.add_patch(Circle(tuple(flat(centre)), radius, facecolor=BALL, edgecolor="k"))
-    axes.set_xlim(ball[0] - 1.15, ball[0] + 1.15)
-    axes.set_ylim(-0.05, 2.3)
+    axes.set_xlim(ball[0] - 1.15 * scene.scale, ball[0] + 1.15 * scene.scale)
+    axes.set_ylim(-0.05 * scene.scale, 2.3 * scene.scale)
     axes.set_aspect("equal")
     axes.tick_params(labelsize=7)
     axes.set_xlabel("across the flight, m", fontsize=8)
@@ -199,9 +199,11 @@ def _top_view(axes: Axes, scene: Scene) -> None:
         _stick(axes, scene, flat(pose_at(scene, time)), colour, 1.8 if colour == PASS else 1.2)
     root = flat(scene.positions[:, 0])
     axes.plot(root[:, 0], root[:, 1], color="#444", linewidth=0.8)
-    axes.annotate("", (0, 0.55), (0, 0.0), arrowprops={"arrowstyle": "->", "color": NOW})
-    axes.set_xlim(-1.7, 1.7)
-    axes.set_ylim(-1.7, 1.7)
+    axes.annotate(
+        "", (0, 0.55 * scene.scale), (0, 0.0), arrowprops={"arrowstyle": "->", "color": NOW}
+    )
+    axes.set_xlim(-1.7 * scene.scale, 1.7 * scene.scale)
+    axes.set_ylim(-1.7 * scene.scale, 1.7 * scene.scale)
     axes.set_aspect("equal")
     axes.tick_params(labelsize=7)
     axes.set_xlabel("to the right, m", fontsize=8)

@@ -123,18 +123,20 @@ def _strip(axes: Axes, graph: MotionGraph, motion: Motion) -> None:
     count = min(POSES, len(positions))
     chosen = np.linspace(0, len(positions) - 1, count).round().astype(int)
     bones = [(p, j) for j, p in enumerate(graph.skeleton.parents) if p >= 0]
+    scale = graph.body_scale
+    apart = 0.9 * scale
     for number, frame in enumerate(chosen.tolist()):
         pose = positions[frame] - positions[frame, 0] * [1, 0, 1]
         ahead = pose[:, 0] * np.sin(headings[frame]) + pose[:, 2] * np.cos(headings[frame])
-        flat = np.stack([ahead + 0.9 * number, pose[:, 1]], axis=-1)
+        flat = np.stack([ahead + apart * number, pose[:, 1]], axis=-1)
         axes.add_collection(
             LineCollection(flat[np.array(bones)].tolist(), colors="#333", linewidths=1)
         )
     axes.axhline(0, color="#999", linewidth=0.8)
-    axes.set_xlim(-0.8, 0.9 * count)
-    axes.set_ylim(-0.1, 2.0)
+    axes.set_xlim(-0.8 * scale, apart * count)
+    axes.set_ylim(-0.1 * scale, 2.0 * scale)
     axes.set_aspect("equal")
-    axes.set_xticks([0.9 * i for i in range(0, count, 4)])
+    axes.set_xticks([apart * i for i in range(0, count, 4)])
     axes.set_xticklabels([f"{chosen[i] / graph.frame_rate:.1f} s" for i in range(0, count, 4)])
     axes.set_title("poses, turned to face right", fontsize=9)
 
@@ -182,7 +184,7 @@ def distances(axes: Axes, graph: MotionGraph, reached: ReachResult) -> None:
         if row.first is not None and row.last is not None:
             axes.axvspan(row.first / graph.frame_rate, row.last / graph.frame_rate, alpha=0.15,
                          color=colour)  # fmt: skip
-    axes.set_ylim(0, 2)
+    axes.set_ylim(0, 2 * graph.body_scale)
     axes.set_xlabel("s")
     axes.set_ylabel("m")
     axes.set_title("distance to the targets; shaded: held", fontsize=9)

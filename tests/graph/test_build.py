@@ -152,7 +152,7 @@ def test_transitions_have_their_own_frames_after_the_clips(graph):
     assert len(graph.root_translation) == clips + (graph.window + 1) * len(edges)
     distances = graph.edge_distance[edges]
     assert (np.diff(distances) >= 0).all()
-    assert distances.max() <= np.float32(graph.report["threshold_m"])
+    assert distances.max() <= np.float32(graph.body_scale * graph.report["threshold_m"])
     assert not (graph.edge_source[edges] == graph.edge_target[edges]).any()
     # Windows of one clip are at least half a second apart, and lie in their clips with a frame
     # before the first and one after the second.
@@ -422,7 +422,7 @@ def test_a_normalised_threshold(made):
     graph = build_graph(clips, labels=labels, config=GraphConfig(normalised=0.2))
     p, w = [places(c.motion) for c in clips], joint_weights(BODY, "uniform")
     largest = max(distance_matrix(a, b, window=10, weights=w).max() for a in p for b in p)
-    assert graph.report["threshold_m"] == pytest.approx(0.2 * largest, abs=1e-4)
+    assert graph.report["threshold_m"] * graph.body_scale == pytest.approx(0.2 * largest, abs=1e-4)
     with pytest.raises(GraphError) as caught:
         build_graph(clips, labels=labels, config=GraphConfig(normalised=1e-5))
     works = float(str(caught.value).rsplit("normalised ", 1)[1].rstrip(")"))

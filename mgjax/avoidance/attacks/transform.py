@@ -1,4 +1,4 @@
-"""Attacks seen from another place and moment."""
+"""Attacks seen from another place and moment, and in another unit of length."""
 
 from __future__ import annotations
 
@@ -16,6 +16,18 @@ def in_frame(attack: Attack, place: Float[np.ndarray, "3"], begins: float) -> At
     inverse = np.asarray(planar.inverse(place))
     centres = np.asarray(planar.apply(inverse, attack.centres.astype(np.float64)))
     return replace(shifted(attack, begins), centres=centres)
+
+
+def of_size(attack: Attack, factor: float) -> Attack:
+    """An attack whose places and spheres are so many times as large, at the same times."""
+    if factor == 1:
+        return attack
+    return replace(
+        attack,
+        centres=attack.centres * factor,
+        radii=attack.radii * factor,
+        acceleration=attack.acceleration * factor,
+    )
 
 
 def shifted(attack: Attack, begins: float) -> Attack:

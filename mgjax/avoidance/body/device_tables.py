@@ -21,6 +21,9 @@ from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register
 from mgjax.graph.types import MotionGraph
 
+SEAM_M = 0.05
+"""How far the root of an adult may move from one edge to the next beside what its speed tells."""
+
 NOT_THERE_M = -1e3
 """Radius of the columns that pad the body's spheres: never near anything."""
 
@@ -92,7 +95,8 @@ class DeviceTables:
             m. [Q]
         parts: start, stop and middle of each part; see :class:`PartColumn`. [A, 3]
         radii: of the body's spheres, m; ``NOT_THERE_M`` for padding. [S]
-        numbers: the largest speed of the root at natural speed, m/s, and a 1.
+        numbers: the largest speed of the root at natural speed, m/s; a 1; and how far the root may
+            move from one edge to the next beside what its speed tells, m.
     """
 
     edge_rows: Float[Array, "E 8"]
@@ -102,7 +106,7 @@ class DeviceTables:
     seam_errors: Float[Array, " Q"]
     parts: Float[Array, "A 3"]
     radii: Float[Array, " S"]
-    numbers: Float[Array, " 2"]
+    numbers: Float[Array, " 3"]
 
     @property
     def root_speed(self) -> Float[Array, ""]:
@@ -113,6 +117,11 @@ class DeviceTables:
     def opaque_true(self) -> Bool[Array, ""]:
         """True, which a compiler does not know; see :func:`mgjax.core.xla.materialise.stage`."""
         return self.numbers[1] > 0
+
+    @property
+    def seam(self) -> Float[Array, ""]:
+        """How far the root may move from one edge to the next beside what its speed tells, m."""
+        return self.numbers[2]
 
 
 def device_tables(posed: PosedGraph, tables: EdgeTables, speed: SpeedConfig) -> DeviceTables:
@@ -143,7 +152,9 @@ def device_tables(posed: PosedGraph, tables: EdgeTables, speed: SpeedConfig) -> 
         seam_errors=padded(seam_errors, np.float32, 1 << 14),
         parts=padded(parts, np.float32, 128),
         radii=jnp.asarray(radii, dtype=jnp.float32),
-        numbers=jnp.asarray([_top_root_speed(tables, root), 1.0], dtype=jnp.float32),
+        numbers=jnp.asarray(
+            [_top_root_speed(tables, root), 1.0, SEAM_M * graph.body_scale], dtype=jnp.float32
+        ),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -91,6 +91,25 @@ def edge_tables(graph: MotionGraph, body_rate: float) -> EdgeTables:
         nearest_part=_nearest_parts(graph, seconds, part_edge, 0.5 * (start + stop)),
         farthest=_farthest(pool[first], spheres),
     )
+
+
+def of_size(tables: EdgeTables, factor: float) -> EdgeTables:
+    """The tables of a body and its motion so many times as large."""
+    if factor == 1:
+        return tables
+    spheres = replace(tables.spheres, radii=_times(tables.spheres.radii, factor))
+    return replace(
+        tables,
+        spheres=spheres,
+        step=tables.step * [1.0, factor, factor],
+        pool=_times(tables.pool, factor),
+        top_speed=tables.top_speed * factor,
+        farthest=tables.farthest * factor,
+    )
+
+
+def _times(values: np.ndarray, factor: float) -> np.ndarray:
+    return (values * np.float64(factor)).astype(values.dtype)
 
 
 def _sample_spheres(

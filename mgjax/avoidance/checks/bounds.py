@@ -57,9 +57,6 @@ STRIDE = 4
 ROUNDING_M = 1e-4
 """Beside twice the chord error: what 32 bits and the written motion's own frames differ by."""
 
-SEAM_M = 0.05
-"""How far a root may move from one edge to the next beside what its speed tells."""
-
 _ARCS = 2.0
 """A written frame lies between two frames of the graph, and the body moves between two written
 frames along yet another arc: each differs from a straight line by one chord error at most."""
@@ -173,7 +170,7 @@ def _near(
     frames = attack_batch.number(AttackColumn.FRAME_COUNT)[None].astype(jnp.int32)
     slowest = jnp.min(placed.rows[..., PlacedColumn.SCALE], axis=0)
     speed = attack_batch.number(AttackColumn.SPEED) + tables.root_speed / slowest
-    away = (stride // 2) / EXPORT_RATE * speed + (SEAM_M if stride > 1 else 0.0)
+    away = (stride // 2) / EXPORT_RATE * speed + (tables.seam if stride > 1 else 0.0)
     reach = (attack_batch.number(AttackColumn.MARGIN) + away)[None, :, None] + attack_batch.spheres[
         None, :, 0
     ]

@@ -27,7 +27,8 @@ class Explained:
 
     Attributes:
         number: among the candidates that satisfy eq. 1, from 0.
-        rank: place in the order of energy, from 0; None where it cannot be timed.
+        rank: place in the order in which candidates are checked, from 0: by energy, then those
+            whose sampled volumes are touched, the least first; None where it cannot be timed.
         part: the avoidance part it is meant for.
         outcome: ``clear`` or ``hit`` by the exact check; ``not adjustable``: no edge may change its
             speed as needed; ``time scale``: out of range; ``unchecked``: beyond those asked for.
@@ -64,10 +65,10 @@ def explain(
 
     Args:
         graph, node, attack, config: see :func:`mgjax.avoidance.select`.
-        checked: how many are checked exactly, in the order of their energy.
+        checked: how many are checked exactly, in their order.
 
     Returns:
-        In the order of energy, then those that cannot be timed. None at all if the attack never
+        In the order of their rank, then those that cannot be timed. None at all if the attack never
         comes near, or no avoidance part comes at the right time.
 
     Raises:

@@ -13,7 +13,7 @@ from mgjax.avoidance.attacks.attack import Attack, validate_attack
 from mgjax.avoidance.attacks.batch import AttackBatch, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
-from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.prepared import Prepared
 from mgjax.core.errors import AttackError, ConfigError
 
@@ -24,7 +24,7 @@ class Query:
 
     Attributes:
         prepared: of the graph.
-        config: settings.
+        config: settings, in metres of the graph's body (:func:`~mgjax.avoidance.config.for_body`).
         node: where the walks begin.
         attack: in the planar frame of the node, its times counted from there.
         crop: the part of it that counts for energies and timing.
@@ -67,6 +67,7 @@ def ask(prepared: Prepared, node: int, attack: Attack, config: AvoidanceConfig) 
         AttackError: the attack is not finite, or begins inside the body.
     """
     validate_start(prepared, node, attack)
+    config = for_body(config, prepared.graph.body_scale)
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     if crop is None:
         return None

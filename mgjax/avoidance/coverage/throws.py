@@ -18,6 +18,7 @@ from mgjax.avoidance.config import (
     HEIGHTS_M,
     NODES,
     AvoidanceConfig,
+    for_body,
     validate_config,
 )
 from mgjax.avoidance.many.attacks import BatchSelection, select_batch
@@ -76,7 +77,7 @@ def coverage(
     graph: MotionGraph | Prepared,
     *,
     directions: int = DIRECTIONS,
-    heights: Sequence[float] = HEIGHTS_M,
+    heights: Sequence[float] | None = None,
     arrivals: Sequence[float] = ARRIVALS_S,
     nodes: int = NODES,
     seed: int = 0,
@@ -94,7 +95,8 @@ def coverage(
         graph: a motion graph with labelled avoidance parts, or what
             :func:`~mgjax.avoidance.prepared.prepare` made of one.
         directions: how many, evenly spaced; the first is straight ahead.
-        heights: at the body's axis, m.
+        heights: at the body's axis, m; None: :data:`~mgjax.avoidance.config.HEIGHTS_M`, scaled to
+            the body.
         arrivals: seconds from now until a ball is at the axis.
         nodes: how many, drawn without repetition; all of them again where the graph has fewer.
         seed: draws the nodes and deals.
@@ -109,9 +111,11 @@ def coverage(
     """
     config = config or AvoidanceConfig()
     validate_config(config)
-    _validate(directions, heights, arrivals, nodes, seed, speed, config)
     prepared = prepared_for(graph, config)
     graph = prepared.graph
+    scale = graph.body_scale
+    heights = [scale * height for height in HEIGHTS_M] if heights is None else heights
+    _validate(directions, heights, arrivals, nodes, seed, speed, for_body(config, scale))
     if not len(graph.label_edge):
         raise GraphError(
             "got a graph without avoidance parts, expected one that was built with labels"

@@ -15,6 +15,7 @@ from jaxtyping import Bool, Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop
+from mgjax.avoidance.attacks.transform import of_size
 from mgjax.avoidance.body.device_tables import DeviceTables, PartColumn
 from mgjax.avoidance.body.volumes import read_edges
 from mgjax.avoidance.candidates.batch import CandidateBatch, pad_candidates
@@ -54,9 +55,9 @@ def cull(
         scales: factor on the duration of each edge. [C, L]
         attack, crop: the attack, and the part of it that counts.
         form: which pictures are used; see :func:`mgjax.avoidance.culling.overlap.overlap`.
-        threshold: most pixels of 4 cm, counted in each layer.
+        threshold: most pixels, 4 cm for an adult, counted in each layer.
     """
-    drawn = draw_attack(attack, crop)
+    drawn = draw_attack(of_size(attack, 1 / float(slices.scale)), crop)
     if drawn is None:
         return np.ones(len(candidates.length), bool)
     return overlap_pixels(slices, candidates, scales, drawn, crop, form=form) <= threshold

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt16
 
-from mgjax.avoidance.body.edge_tables import EdgeTables
+from mgjax.avoidance.body.edge_tables import EdgeTables, of_size
 from mgjax.avoidance.culling.rasterise import LAYERS, PIXEL_M, stamp, stamp_width
 from mgjax.core.arrays import Array
 from mgjax.core.xla.pytree import register
@@ -47,6 +47,8 @@ class Slices:
     """The pictures of a graph's edges, each in the planar frame of the node its edge leaves.
 
     Attributes:
+        scale: of the body; all lengths here are in metres of an adult's body
+            (:func:`mgjax.core.body.height.body_scale`).
         seconds: natural duration of each edge. [E]
         step: planar frame of the node an edge arrives at, in that of the node it leaves. [E, 3]
         paper: one picture for each edge, of the whole edge.
@@ -56,6 +58,7 @@ class Slices:
         bins: of each edge. [E]
     """
 
+    scale: Float[Array, ""]
     seconds: Float[Array, " E"]
     step: Float[Array, "E 3"]
     paper: Pictures
@@ -70,13 +73,17 @@ def picture_bytes(pictures: Pictures) -> int:
     return sum(int(array.nbytes) for array in arrays)
 
 
-def build_slices(tables: EdgeTables) -> Slices:
+def build_slices(tables: EdgeTables, scale: float = 1.0) -> Slices:
     """Draws the body of every edge, bin by bin and as a whole.
+
+    Layers and pixels grow with the body: it is drawn at the size of an adult, ``scale`` times
+    smaller than it is.
 
     The body of a bin is that at ``MOMENTS`` + 1 evenly spaced moments from its beginning to its
     end, linear between the samples of the tables. The picture of an edge is the union of those of
     its bins; its extent is the bounding box of the edge.
     """
+    tables = of_size(tables, 1 / scale)
     bins = np.maximum(np.ceil(tables.seconds / BODY_BIN_S - 1e-6).astype(np.int64), 1)
     first = np.cumsum(bins) - bins
     edge = np.repeat(np.arange(len(bins)), bins)
@@ -95,6 +102,7 @@ def build_slices(tables: EdgeTables) -> Slices:
     )
     _join(paper, binned, edge)
     return Slices(
+        scale=np.array(scale, np.float32),
         seconds=tables.seconds.astype(np.float32),
         step=tables.step.astype(np.float32),
         paper=paper,

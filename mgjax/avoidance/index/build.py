@@ -21,7 +21,7 @@ import numpy as np
 from jaxtyping import Float, Int, Integer, UInt32
 from tqdm import tqdm
 
-from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
+from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables, of_size
 from mgjax.avoidance.index.cells import CELL_M, LOWEST
 from mgjax.avoidance.index.files import fingerprint
 from mgjax.avoidance.index.index import GridIndex
@@ -84,8 +84,10 @@ def index_of_tables(
 ) -> GridIndex:
     """The index of a graph whose body volumes are those of given tables; see :func:`build_index`.
 
-    Between the samples of the tables the volumes are interpolated.
+    Between the samples of the tables the volumes are interpolated. Cells grow with the body: all is
+    done at the size of an adult.
     """
+    tables = of_size(tables, 1 / graph.body_scale)
     clock = [time.perf_counter()]
     paths = grid_paths(graph, tables, horizon, capacity)
     clock.append(time.perf_counter())
@@ -106,6 +108,7 @@ def index_of_tables(
     }
     return GridIndex(
         horizon=horizon,
+        scale=graph.body_scale,
         half_frames=2 * graph.frame_rate,
         fingerprint=fingerprint(graph),
         report=report,

@@ -13,10 +13,12 @@ from mgjax.core.errors import FileFormatError
 from mgjax.graph.types import MotionGraph
 from mgjax.io.store import load_arrays, save_arrays
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
+_READABLE = (1, 2)
+"""Format 1 has no ``scale``: its cells are 10 cm for every body."""
 FILE_NAME = "grid_index.safetensors"
 
-_PLAIN = ("horizon", "half_frames", "fingerprint", "report")
+_PLAIN = ("horizon", "half_frames", "scale", "fingerprint", "report")
 """Fields of an index that are no arrays."""
 
 
@@ -50,7 +52,7 @@ def load_index(path: str | Path, graph: MotionGraph) -> GridIndex:
     file = Path(path) / FILE_NAME
     arrays, metadata = load_arrays(file, "grid index")
     version = metadata.get("format_version")
-    if version != FORMAT_VERSION:
+    if version not in _READABLE:
         raise FileFormatError(
             file, None, f"format {version}", f"format {FORMAT_VERSION}; build anew"
         )
@@ -58,9 +60,14 @@ def load_index(path: str | Path, graph: MotionGraph) -> GridIndex:
         raise FileFormatError(
             file, None, "the index of another graph", "this graph's; build it anew"
         )
+    if version == 1:
+        metadata["scale"] = 1.0
     names = {f.name for f in fields(GridIndex)} - set(_PLAIN)
     if set(arrays) != names or not set(_PLAIN) <= set(metadata):
         raise FileFormatError(file, None, "an incomplete index", "a whole one; build it anew")
+    scale = metadata["scale"]
+    if not isinstance(scale, float) or not 1e-6 < scale < 1e6:
+        raise FileFormatError(file, None, f"the scale {scale!r:.20}", "a number; build it anew")
     if not _is_sound(arrays, graph):
         raise FileFormatError(file, None, "arrays that do not fit", "a whole index; build it anew")
     return GridIndex(**arrays, **{name: metadata[name] for name in _PLAIN})

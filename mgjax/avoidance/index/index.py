@@ -1,8 +1,9 @@
 """The grid index: which walks avoid something that passes through given cells (§5.1).
 
 For every node, the walks to an avoidance part that comes soon enough, and the 10 cm cells of the
-node's planar frame that the avoidance volume of each one touches. Cell (i, j, k) is the cube
-[0.1 i, 0.1 i + 0.1] × [0.1 j, …] × [0.1 k, …] m; its eight sub-points are the centres of its
+node's planar frame that the avoidance volume of each one touches. They grow with the body: in units
+of :attr:`GridIndex.scale` metres, cell (i, j, k) is the cube
+[0.1 i, 0.1 i + 0.1] × [0.1 j, …] × [0.1 k, …]; its eight sub-points are the centres of its
 eighths. It belongs to a walk if one of them lies inside the body at the start of the part and
 outside the body at another sampled moment of it, both placed by the walk.
 
@@ -24,6 +25,7 @@ from jaxtyping import Bool, Int, UInt, UInt32
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop
+from mgjax.avoidance.attacks.transform import of_size
 from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.index.cells import HEIGHTS, LOWEST, SPAN
 from mgjax.avoidance.index.swept_cells import SweptCells, swept_cells
@@ -40,6 +42,8 @@ class GridIndex:
     Attributes:
         horizon: latest t_avoid that was asked for, s.
         half_frames: per second.
+        scale: of the body: places are in units of so many metres. Of indices that were written with
+            cells of 10 cm for every body it is 1.
         fingerprint: of the graph.
         report: of the build, JSON values.
         node_first: the paths of node n are node_first[n] … node_first[n+1] − 1. [N+1]
@@ -60,6 +64,7 @@ class GridIndex:
 
     horizon: float
     half_frames: float
+    scale: float
     fingerprint: str
     report: dict[str, Any]
     node_first: Int[np.ndarray, " N1"]
@@ -126,11 +131,14 @@ class GridIndex:
 
         The attack is in the node's planar frame. None where it leaves the space that is covered.
         """
-        cells = swept_cells(attack, crop)
+        cells = swept_cells(of_size(attack, 1 / self.scale), crop)
         return None if cells is None else self.touched_by(paths, cells)
 
     def touched_by(self, paths: Int[np.ndarray, " C"], cells: SweptCells) -> Bool[np.ndarray, " C"]:
-        """Which paths of a node have one of the cells, which are in the node's planar frame."""
+        """Which paths of a node have one of the cells, which are in the node's planar frame.
+
+        Lengths of the cells are in units of ``scale`` metres.
+        """
         if not paths.size:
             return np.zeros(0, bool)
         touched = np.zeros(len(paths), bool)

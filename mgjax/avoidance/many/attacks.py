@@ -23,7 +23,7 @@ from mgjax.avoidance.choice.search import (
     search_many,
 )
 from mgjax.avoidance.choice.start import ask
-from mgjax.avoidance.config import AvoidanceConfig, validate_config
+from mgjax.avoidance.config import AvoidanceConfig, for_body, validate_config
 from mgjax.avoidance.energy.score import ROWS
 from mgjax.avoidance.many.groups import MOST, TOGETHER, Asked, all_asked, firsts_of, groups
 from mgjax.avoidance.prepared import Prepared, prepared_for
@@ -142,7 +142,7 @@ def _search(prepared: Prepared, group: list[Asked], config: AvoidanceConfig) -> 
         walks,
         jax.tree.map(lambda *x: np.concatenate(x), *filled),
         first,
-        config.energy,
+        for_body(config, prepared.graph.body_scale).energy,
         frame_rate=prepared.graph.frame_rate,
         limit_scale=config.limit_scale,
     )

@@ -13,7 +13,7 @@ from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.start import ask
-from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, validate_config
+from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, for_body, validate_config
 from mgjax.avoidance.energy.score import Energy
 from mgjax.avoidance.many.lazy_checks import ScoredAttack, score_attack
 from mgjax.avoidance.many.reweight import NONE, Certainty, Picked
@@ -103,8 +103,8 @@ def sweep_energies(
     config = config or AvoidanceConfig()
     if config.culling != "none":
         raise ConfigError(f"got culling = {config.culling!r}, expected none in a sweep")
-    grid = _stack(energies, config)
     prepared = prepared_for(graph, config)
+    grid = _stack(energies, config, prepared.graph.body_scale)
     query = ask(prepared, node, attack, config)
     count = len(energies)
     if query is None:
@@ -122,8 +122,8 @@ def sweep_energies(
         picked = scored.pick(grid)
 
 
-def _stack(energies: Sequence[EnergyConfig], config: AvoidanceConfig) -> EnergyConfig:
-    """Settings as one whose numbers are arrays, padded to few sizes by the last."""
+def _stack(energies: Sequence[EnergyConfig], config: AvoidanceConfig, scale: float) -> EnergyConfig:
+    """Settings of a body's size as one whose numbers are arrays, padded to few by the last."""
     if not energies:
         raise ConfigError("got no settings of the energies, expected one or more")
     kinds = {(energy.form, energy.d0) for energy in energies}
@@ -131,6 +131,7 @@ def _stack(energies: Sequence[EnergyConfig], config: AvoidanceConfig) -> EnergyC
         raise ConfigError(f"got settings of {len(kinds)} forms, expected one form and one d0")
     for energy in energies:
         validate_config(replace(config, energy=energy))
+    energies = [for_body(replace(config, energy=energy), scale).energy for energy in energies]
     size = bucket_size(len(energies), 8)
     names = [field.name for field in fields(EnergyConfig) if field.name not in ("form", "d0")]
     columns = {

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.ballsport.config import FEET, AnalysisConfig, validate_analysis
+from mgjax.ballsport.config import FEET, AnalysisConfig, analysis_for_body, validate_analysis
 from mgjax.ballsport.hits.detect import Hit, hit_joint, mark, sections
 from mgjax.ballsport.hits.motion_vectors import MotionVectors, motion_vector
 from mgjax.ballsport.hits.smoothing import half_width
 from mgjax.ballsport.hits.stream import HitStream
+from mgjax.core.body.height import body_scale
 from mgjax.core.body.roles import require_roles
 from mgjax.core.errors import MotionError
 from mgjax.core.kinematics import planar_frames
@@ -50,10 +51,11 @@ def analyse(
         positions: of all joints, Y up over the floor, m.
         frame_rate: frames per second.
         bones: what can hit; see :func:`mgjax.ballsport.hits.detect.hit_joint`.
-        config: thresholds.
+        config: thresholds of an adult.
     """
     config = config or AnalysisConfig()
     validate_analysis(config)
+    config = analysis_for_body(config, body_scale(skeleton))
     planes = np.asarray(planar_frames(skeleton, positions))
     hits: list[BoneHit] = []
     for bone in bones:
@@ -74,7 +76,7 @@ class LiveAnalysis:
         skeleton: of the body.
         frame_rate: frames per second.
         bones: what can hit.
-        config: thresholds.
+        config: thresholds of an adult.
     """
 
     def __init__(
@@ -86,7 +88,9 @@ class LiveAnalysis:
         config: AnalysisConfig | None = None,
     ) -> None:
         self._skeleton, self._rate = skeleton, frame_rate
-        self._config = config or AnalysisConfig()
+        config = config or AnalysisConfig()
+        validate_analysis(config)
+        self._config = analysis_for_body(config, body_scale(skeleton))
         self._streams = {bone: HitStream(frame_rate, self._config) for bone in bones}
         self._joints = {bone: hit_joint(skeleton, bone) for bone in bones}
         self._hips = [0, *require_roles(skeleton, ("left_hip", "right_hip"))]

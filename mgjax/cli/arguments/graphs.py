@@ -56,8 +56,8 @@ class Coverage(Output):
     """How many directions balls come from, all around."""
     nodes: int = avoidance.NODES
     """At how many places in the graph; at each, one ball comes from every direction."""
-    heights: tuple[float, ...] = avoidance.HEIGHTS_M
-    """Where balls pass the body's axis, m; dealt out among them."""
+    heights: tuple[float, ...] | None = None
+    """Where balls pass the body's axis, m; dealt out among them. By default from shins to head."""
     arrivals: tuple[float, ...] = avoidance.ARRIVALS_S
     """Seconds from now until a ball is there; dealt out among them."""
     speed: float = avoidance.BALL_SPEED_M_S

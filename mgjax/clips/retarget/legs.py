@@ -11,17 +11,18 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from mgjax.clips.retarget.body import Body
 from mgjax.clips.retarget.plants import held_still
 from mgjax.core import quaternion, two_bone
+from mgjax.core.body.height import body_scale
 from mgjax.core.body.roles import SIDES
 from mgjax.core.contacts import planted
 from mgjax.core.kinematics import forward
 
 PLANT_HEIGHT_M = 0.03
-"""How far a planted foot may be over where it is when it stands."""
+"""How far an adult's planted foot may be over where it is when it stands."""
 _BENT = 0.985
 """Share of its length to which a leg may be stretched, or as far as the source's leg is."""
 _STRAIGHT = 0.9995
 _NEAR_FLOOR_M = 0.1
-"""The pelvis goes down for feet that are no higher than this."""
+"""The pelvis of an adult goes down for feet that are no higher than this."""
 _EVEN_S = 0.1
 """Over such times the pelvis goes down."""
 _HINGE = 0.15
@@ -68,8 +69,9 @@ def planted_feet(
 ) -> Bool[np.ndarray, "F 2"]:
     """In which frames the source's left and right foot stand."""
     feet = [source.roles[f"{side}_{scale.point}"] for side in SIDES]
-    height = max(scale.low[0], 0.0) + PLANT_HEIGHT_M
-    return np.asarray(planted(places[:, feet], frame_rate, height=height))
+    size = body_scale(source.skeleton)
+    height = max(scale.low[0], 0.0) / size + PLANT_HEIGHT_M
+    return np.asarray(planted(places[:, feet], frame_rate, scale=size, height=height))
 
 
 def stand(
@@ -102,14 +104,15 @@ def stand(
     middle = places[:, [source.roles["left_hip"], source.roles["right_hip"]]].mean(axis=1)
     root = scale.place(middle) - there[:, hips].mean(axis=1)
     on = planted_feet(source, scale, places, frame_rate)
+    size = body_scale(skeleton)
     goals, reach, needs = [], [], []
     for side, name in enumerate(SIDES):
         hip, ankle, foot = (target.roles[f"{name}_{p}"] for p in ("hip", "ankle", scale.point))
         path = scale.place(places[:, source.roles[f"{name}_{scale.point}"]])
-        path = held_still(path, on[:, side], frame_rate)
+        path = held_still(path, on[:, side], frame_rate, size)
         goals.append(path - (there[:, foot] - there[:, ankle]))
         reach.append(_reach(source, target, name, places))
-        near = np.clip(1 - (path[:, 1] - scale.low[1]) / _NEAR_FLOOR_M, 0.0, 1.0)
+        near = np.clip(1 - (path[:, 1] - scale.low[1]) / (size * _NEAR_FLOOR_M), 0.0, 1.0)
         needs.append(near * _too_high(root + there[:, hip], goals[-1], reach[-1]))
     root[:, 1] -= _evened(np.maximum(*needs), frame_rate)
     local = local.copy()

@@ -10,17 +10,20 @@ from mgjax.core.timing.easing import smoothstep
 _GAP_S = 0.1
 """Feet that leave the floor for no longer do not leave it."""
 _HOLD_M = 0.03
-"""A planted foot that strays farther from its middle is meant to slide or turn, and does."""
+"""An adult's planted foot that strays farther from its middle is meant to slide or turn."""
 
 
 def held_still(
-    path: Float[np.ndarray, "F 3"], planted: Bool[np.ndarray, " F"], frame_rate: float
+    path: Float[np.ndarray, "F 3"],
+    planted: Bool[np.ndarray, " F"],
+    frame_rate: float,
+    scale: float = 1.0,
 ) -> Float[np.ndarray, "F 3"]:
     """The path of a foot that stays at the middle of each plant.
 
     Heights stay. Between plants the shift from the path is eased from that of the one to that of
     the next; before the first and after the last it stays. The foot keeps sliding in a plant in
-    which it gets farther from its middle than 3 cm.
+    which it gets farther from its middle than 3 cm, times the ``scale`` of the body.
     """
     starts, stops = _runs(planted)
     if not starts.size:
@@ -38,7 +41,7 @@ def held_still(
     away = np.linalg.norm(floor[inside] - middle[members], axis=-1)
     farthest = np.zeros(len(starts))
     np.maximum.at(farthest, members, away)
-    held = inside & (farthest[run] <= _HOLD_M)
+    held = inside & (farthest[run] <= scale * _HOLD_M)
     shift = np.where(held[:, None], middle[run] - floor, 0.0)
     known = np.flatnonzero(inside)
     before = known[np.maximum(np.searchsorted(known, frames, side="right") - 1, 0)]

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mgjax.core import quaternion
+from mgjax.core.body.height import body_scale
 from mgjax.core.body.roles import SIDES
 from mgjax.core.contacts import PLANT_SPEED_M_S
 from mgjax.core.kinematics import forward, joint_velocities
@@ -31,7 +32,7 @@ _FRAMES = 10
 _AGREE = 0.8
 """Length of the mean of the axes seen, above which the joint is a hinge."""
 _LOW_M = 0.03
-"""A foot that stands is no higher than this over its lowest place (5 % of the frames are lower)."""
+"""An adult's foot that stands is no higher over its lowest place (5 % of the frames are lower)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,7 +156,9 @@ def _see_foot(
         return
     path = places[:, ankle]
     speed = np.linalg.norm(np.asarray(joint_velocities(path[:, None], frame_rate))[:, 0], axis=-1)
-    stands = (speed < PLANT_SPEED_M_S) & (path[:, 1] < np.quantile(path[:, 1], 0.05) + _LOW_M)
+    scale = body_scale(skeleton)
+    low = np.quantile(path[:, 1], 0.05) + scale * _LOW_M
+    stands = (speed < scale * PLANT_SPEED_M_S) & (path[:, 1] < low)
     if not stands.any():
         return
     rest = rest_positions(skeleton)

@@ -17,6 +17,20 @@ HEAD = 0.09
 LEGS = 0.52
 """Hip to ankle as a share of the height, where no head is known: 0.49 … 0.54."""
 
+ADULT_M = 1.625
+"""Height of the body for which lengths and speeds of settings and tables are written, m: that of
+the embedded clips. The captured bodies on which they were chosen have 1.56 to 1.61 m."""
+
+
+def body_scale(skeleton: Skeleton) -> float:
+    """By how much lengths meant for a body of :data:`ADULT_M` are larger for this one.
+
+    Times stay, so speeds are scaled like lengths, and masses and gravity do not come in: a body and
+    its motion made twice as large move through the same frames. What belongs to the world (a ball,
+    the floor, the accuracy of capture and files) is not scaled. 1 where there is no body.
+    """
+    return (body_height(skeleton) or ADULT_M) / ADULT_M
+
 
 def body_height(skeleton: Skeleton) -> float | None:
     """Height of the standing body in the unit of the offsets, or None where there is no body.

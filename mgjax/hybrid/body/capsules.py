@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from jaxtyping import Float, Int
 
+from mgjax.core.body.height import body_scale
 from mgjax.core.body.roles import find_role
 from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid.ik.limbs import ARMS, HEAD, LimbType, find_limb
@@ -25,7 +26,7 @@ _RADII_M = {
     "shin": 0.055,
     "foot": 0.04,
 }
-"""Radii of the parts of an adult of 1.75 m."""
+"""Radii of the parts of an adult."""
 _FORE = ("forearm", "hand")
 """Parts of an arm that may come near the rest of the body."""
 _REST = ("torso", "pelvis", "head", "neck")
@@ -58,17 +59,21 @@ class Capsules:
 
 
 def make_capsules(skeleton: Skeleton) -> Capsules:
-    """The capsules of a skeleton: one for each bone longer than 1 cm, by what its joints are."""
+    """The capsules of a skeleton: one for each bone longer than 1 cm, by what its joints are.
+
+    Both lengths are those of an adult.
+    """
+    scale = body_scale(skeleton)
     lengths = np.linalg.norm(np.asarray(skeleton.offsets, np.float64), axis=-1)
     parts = _bone_parts(skeleton)
     rows = [
         (parent, joint, *parts[joint])
         for joint, parent in enumerate(skeleton.parents)
-        if parent >= 0 and lengths[joint] > 0.01
+        if parent >= 0 and lengths[joint] > 0.01 * scale
     ]
     return Capsules(
         joints=np.array([row[:2] for row in rows]),
-        radii=np.array([_RADII_M[row[2]] for row in rows]),
+        radii=scale * np.array([_RADII_M[row[2]] for row in rows]),
         parts=tuple(row[2] for row in rows),
         limbs=tuple(row[3] for row in rows),
     )

@@ -27,7 +27,7 @@ from mgjax.hybrid.macro.pieces import NO_PIECE, EdgePieces, cut_edges
 MACRO_EDGE_S = 1.0 / 3.0
 """A macro edge lasts at least so long, s."""
 MIN_PROGRESS_M_S = 0.2
-"""Arc length grows at least so fast, else standing still would cost nothing (eq. 7).
+"""Arc length grows at least so fast for an adult, else standing still would cost nothing (eq. 7).
 
 Deviation: 1 mm a frame does for free paths; but then standing for 4 s before an obstacle or a
 corner costs 0.6 m², less than any way around it, and the walk stops there. At 0.2 m/s it costs
@@ -35,7 +35,7 @@ corner costs 0.6 m², less than any way around it, and the walk stops there. At 
 """
 
 LOCOMOTION_S, LOCOMOTION_M_S = 3.0, 0.3
-"""A graph can follow a path if some walk of this duration keeps up this speed."""
+"""A graph can follow a path if some walk of this duration keeps up this speed, for an adult."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -86,7 +86,8 @@ def build_macro_edges(graph: MotionGraph) -> MacroEdges:
     last = (members != NO_PIECE).sum(axis=1) - 1
     target = pieces.target[members[np.arange(len(members)), last]]
     places, after = _places(pieces, members, source)
-    track = _tracks(pieces, members, places, 2 * delta - 1, graph.frame_rate)
+    progress = graph.body_scale * MIN_PROGRESS_M_S
+    track = _tracks(pieces, members, places, 2 * delta - 1, graph.frame_rate, progress)
     first = np.searchsorted(source, np.arange(len(pieces.plane) + 1))
     end = np.asarray(planar.compose(after, pieces.plane[target]))
     _require_locomotion(graph, first, target, frames, end)
@@ -155,8 +156,10 @@ def _tracks(
     places: np.ndarray,
     width: int,
     frame_rate: float,
+    progress: float,
 ) -> np.ndarray:
-    """Track and, as the columns 4 and 5, speed_heading of :class:`MacroEdges`. [K, 6, W]"""
+    """Track and, as the columns 4 and 5, speed_heading of :class:`MacroEdges`; arc length
+    grows by at least ``progress`` m/s. [K, 6, W]"""
     rows, levels = np.nonzero(members != NO_PIECE)
     piece = members[rows, levels]
     count = pieces.frames[piece]
@@ -176,9 +179,7 @@ def _tracks(
     track = np.where(valid[:, None], track, np.take_along_axis(track, final[:, None, None], axis=2))
     steps = np.linalg.norm(np.diff(track[:, :2], axis=2, prepend=0.0), axis=1)
     track[:, 4] = steps * frame_rate
-    track[:, 2] = np.cumsum(
-        np.where(valid, np.maximum(steps, MIN_PROGRESS_M_S / frame_rate), 0.0), axis=1
-    )
+    track[:, 2] = np.cumsum(np.where(valid, np.maximum(steps, progress / frame_rate), 0.0), axis=1)
     return track
 
 
@@ -192,8 +193,9 @@ def _require_locomotion(
     for _ in range(rounds):
         best = np.maximum.reduceat(rate + best[target], first[:-1])
     fastest = float(best.max()) / rounds
-    if fastest < LOCOMOTION_M_S:
+    least = graph.body_scale * LOCOMOTION_M_S
+    if fastest < least:
         raise GraphError(
             f"got a graph without locomotion (no walk of {LOCOMOTION_S:g} s is faster than"
-            f" {fastest:.2f} m/s), expected walking or running at {LOCOMOTION_M_S:g} m/s or more"
+            f" {fastest:.2f} m/s), expected walking or running at {least:.3g} m/s or more"
         )

@@ -15,10 +15,10 @@ SAMPLES = 65536
 once; a short path uses the first of them."""
 
 SPACING_M = 0.001
-"""Distance of two of these places on paths up to 65 m; on longer ones they are farther apart."""
+"""Distance of two of these places for an adult on paths up to 65 m; on longer ones it is more."""
 
 _FINE_M = 0.005
-"""Length of the chords that a spline is made of."""
+"""Length of the chords that a spline is made of, for an adult."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,12 +30,15 @@ class Curve:
         arc: arc length at the corners, from 0, m. [M]
         speed: wanted speed at the corners, m/s; NaN where none is wanted. [M]
         closed: whether the path leads back to its beginning.
+        scale: of the body that walks along it (:func:`mgjax.core.body.height.body_scale`): how
+            finely, and how far ahead, it is looked at.
     """
 
     points: Float[np.ndarray, "M 2"]
     arc: Float[np.ndarray, " M"]
     speed: Float[np.ndarray, " M"]
     closed: bool
+    scale: float = 1.0
 
     @property
     def length(self) -> float:
@@ -48,7 +51,7 @@ class Curve:
 
     def start(self) -> Float[np.ndarray, "3"]:
         """The planar frame of a body that stands at the beginning and faces along the path."""
-        ahead = self.at(np.array(min(0.2, self.length))) - self.points[0]
+        ahead = self.at(np.array(min(0.2 * self.scale, self.length))) - self.points[0]
         return np.array([np.arctan2(ahead[0], ahead[1]), *self.points[0]])
 
     def nearest(
@@ -56,21 +59,23 @@ class Curve:
     ) -> tuple[Float[np.ndarray, " F"], Float[np.ndarray, " F"]]:
         """Distance of each place to the part of the path around its arc length, and where on it.
 
-        Only the part within ``reach`` m of the arc length counts: on a path that crosses itself the
-        nearest point may belong to another time.
+        Only the part within ``reach`` m of the arc length, for an adult, counts: on a path that
+        crosses itself the nearest point may belong to another time.
 
         Returns:
             Distances and arc lengths of the nearest points, m.
         """
-        offsets = np.arange(-reach, reach + 0.005, 0.01)
+        offsets = self.scale * np.arange(-reach, reach + 0.005, 0.01)
         near = np.clip(arc[:, None] + offsets, 0.0, self.length)
         away = np.linalg.norm(self.at(near) - places[:, None], axis=-1)
         row, best = np.arange(len(places)), away.argmin(axis=1)
         return away[row, best], near[row, best]
 
 
-def make_curve(sketch: Sketch) -> Curve:
+def make_curve(sketch: Sketch, scale: float = 1.0) -> Curve:
     """The curve through a sketch's points, straight between them or a spline.
+
+    ``scale`` is that of the body; see :class:`Curve`.
 
     The spline is a cubic through all points, its parameter the root of the chord length
     (centripetal), so that it neither loops nor swings far where points crowd.
@@ -82,7 +87,7 @@ def make_curve(sketch: Sketch) -> Curve:
     if sketch.spline and len(points) > 2:
         knots = np.concatenate([[0.0], np.cumsum(np.sqrt(chords))])
         ends = "periodic" if sketch.closed else "natural"
-        counts = np.maximum(np.ceil(chords / _FINE_M).astype(int), 1)
+        counts = np.maximum(np.ceil(chords / (scale * _FINE_M)).astype(int), 1)
         fine = [
             np.linspace(a, b, n, endpoint=False)
             for a, b, n in zip(knots[:-1], knots[1:], counts, strict=True)
@@ -92,4 +97,4 @@ def make_curve(sketch: Sketch) -> Curve:
         points = np.asarray(CubicSpline(knots, points, bc_type=ends)(at))
         chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
     arc = np.concatenate([[0.0], np.cumsum(chords)])
-    return Curve(points=points, arc=arc, speed=speed, closed=sketch.closed)
+    return Curve(points=points, arc=arc, speed=speed, closed=sketch.closed, scale=scale)

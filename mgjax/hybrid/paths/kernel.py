@@ -27,8 +27,8 @@ SMALLEST, LARGEST, GROWTH = 256, 6912, 3
 """Pairs in one call: 256, 768, 2304 or 6912."""
 
 END_EARLY_M, END_LATE_M = 0.5, 1.0
-"""A walk to a given end may stop so much before and after the path's length: the root sways, so
-its own arc length runs ahead of its way along the path."""
+"""An adult's walk to a given end may stop so much before and after the path's length: the root
+sways, so its own arc length runs ahead of its way along the path."""
 
 
 @register("with_speed", "with_end")
@@ -41,6 +41,7 @@ class Request:
         speeds: wanted speed there, NaN for none; one entry if none is wanted at all. [S]
         spacing, length: m.
         near: largest distance, m.
+        early, late: how much before and after the length a walk to a given end may stop, m.
         speed_weight, blend_weight: see :class:`PathConfig`.
         end: place and heading of the end; a NaN heading is any. [3]
         end_weights: of the squared distance to the end, and of the squared heading error. [2]
@@ -54,6 +55,8 @@ class Request:
     spacing: Float[Array, ""]
     length: Float[Array, ""]
     near: Float[Array, ""]
+    early: Float[Array, ""]
+    late: Float[Array, ""]
     speed_weight: Float[Array, ""]
     blend_weight: Float[Array, ""]
     end: Float[Array, "3"]
@@ -64,8 +67,8 @@ class Request:
 
 
 def make_request(curve: Curve, sketch: Sketch, config: PathConfig) -> Request:
-    """Puts a path into arrays of fixed shape."""
-    spacing = max(SPACING_M, curve.length / (SAMPLES - 1))
+    """Puts a path into arrays of fixed shape; the settings are those of the body."""
+    spacing = max(curve.scale * SPACING_M, curve.length / (SAMPLES - 1))
     arc = np.minimum(np.arange(math.ceil(curve.length / spacing) + 1) * spacing, curve.length)
     places = curve.at(arc)
     circles = sketch.obstacles + np.array([0.0, 0.0, config.margin_m])
@@ -87,6 +90,8 @@ def make_request(curve: Curve, sketch: Sketch, config: PathConfig) -> Request:
         spacing=number(spacing),
         length=number(curve.length),
         near=number(config.near_m),
+        early=number(curve.scale * END_EARLY_M),
+        late=number(curve.scale * END_LATE_M),
         speed_weight=number(config.speed_weight),
         blend_weight=number(config.blend_weight),
         end=jnp.asarray(sketch.end or (0.0, 0.0, 0.0), dtype=jnp.float32),
@@ -125,7 +130,7 @@ def extension_costs(
     heading, _, _, arc_before, cost_before = _columns(state)
     x, z, arc = _onward(state, *steps)
     last = jnp.concatenate([arc_before, arc[:, :-1]], axis=1)
-    late = END_LATE_M if request.with_end else 0.0
+    late = request.late if request.with_end else 0.0
     number = jnp.arange(track.shape[2])[None]
     counted = (number < jnp.min(frames, axis=1, keepdims=True)) & (last < request.length + late)
     index = _index(request, arc)
@@ -146,7 +151,7 @@ def extension_costs(
             [jnp.where(finished, jnp.inf, cost), jnp.where(finished, cost, jnp.inf), count]
         )
     total = cost_before + jnp.cumsum(square, axis=1) + _end_cost(request, x, z, heading + turned)
-    total = jnp.where(counted & (arc >= request.length - END_EARLY_M), total, jnp.inf)
+    total = jnp.where(counted & (arc >= request.length - request.early), total, jnp.inf)
     over = jnp.any(counted & (arc >= request.length + late), axis=1)
     best = jnp.argmin(total, axis=1)
     return jnp.stack(
@@ -226,7 +231,7 @@ def lower_bounds(
     square = (x - _rows(request.x, index)) ** 2 + (z - _rows(request.z, index)) ** 2
     # A place is read to half a spacing.
     least = jnp.maximum(jnp.sqrt(square) - radius - request.spacing, 0.0)
-    early = END_EARLY_M if request.with_end else 0.0
+    early = request.early if request.with_end else 0.0
     counted = (jnp.arange(ahead.shape[2])[None] < frames[:, None]) & (
         arc + radius < request.length - early
     )

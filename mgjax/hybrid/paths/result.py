@@ -32,7 +32,7 @@ class Track:
 
     Attributes:
         places: x and z, m. [F, 2]
-        arc: arc length from the beginning, growing at least at 0.2 m/s, m. [F]
+        arc: arc length from the beginning, growing at least at 0.2 m/s of an adult, m. [F]
         speed: m/s. [F]
         heading: of the body, rad. [F]
         blend: squared distance of the windows that are blended there, m². [F]
@@ -76,7 +76,7 @@ def place_pieces(
     steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
     return Track(
         places=body[:, 1:],
-        arc=np.cumsum(np.maximum(steps, MIN_PROGRESS_M_S / graph.frame_rate)),
+        arc=_arc_length(graph, steps),
         speed=steps * graph.frame_rate,
         heading=body[:, 0],
         blend=np.repeat(pieces.blend[chosen], pieces.frames[chosen]),
@@ -198,7 +198,7 @@ def _until_lost(track: Track, curve: Curve, frames: int) -> tuple[int, float]:
     Arc length alone would count a body that walks on the spot before an obstacle as getting on.
     """
     _, along = curve.nearest(track.places[:frames], track.arc[:frames])
-    last = int(np.argmax(along > along.max() - 0.02))
+    last = int(np.argmax(along > along.max() - 0.02 * curve.scale))
     return last + 1, float(along[last])
 
 
@@ -213,12 +213,18 @@ def track_of(graph: MotionGraph, motion: Motion, blend: Float[np.ndarray, " F"])
     steps = np.linalg.norm(np.diff(body[:, 1:], axis=0), axis=1)
     return Track(
         places=body[1:, 1:],
-        arc=np.cumsum(np.maximum(steps, MIN_PROGRESS_M_S / graph.frame_rate)),
+        arc=_arc_length(graph, steps),
         speed=steps * graph.frame_rate,
         heading=body[1:, 0],
         blend=blend,
         end=body[-1],
     )
+
+
+def _arc_length(graph: MotionGraph, steps: Float[np.ndarray, " F"]) -> Float[np.ndarray, " F"]:
+    """Arc length after each frame, of the steps of the root; it grows at standing, too."""
+    least = graph.body_scale * MIN_PROGRESS_M_S / graph.frame_rate
+    return np.cumsum(np.maximum(steps, least))
 
 
 def _end_off(track: Track, sketch: Sketch) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from jaxtyping import Float
 
 from mgjax.core.errors import ConfigError, PathError
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.config import WIDEST, PathConfig, validate_path_config
+from mgjax.hybrid.config import WIDEST, PathConfig, path_for_body, validate_path_config
 from mgjax.hybrid.paths.beam import Beam, run_beam
 from mgjax.hybrid.paths.branch_and_bound import branch_and_bound
 from mgjax.hybrid.paths.curve import Curve, make_curve
@@ -28,7 +28,7 @@ from mgjax.hybrid.paths.sketch import Sketch
 from mgjax.hybrid.prepared import Prepared, prepared_for
 
 SLOWEST_M_S = 0.1
-"""A walk may take as long as at this speed, and 10 s more."""
+"""An adult's walk may take as long as at this speed, and 10 s more."""
 
 PlanarFrame: TypeAlias = Float[np.ndarray, "3"]
 
@@ -52,7 +52,7 @@ class _Run:
 
     @property
     def longest(self) -> int:
-        seconds = self.curve.length / SLOWEST_M_S + 10.0
+        seconds = self.curve.length / (self.curve.scale * SLOWEST_M_S) + 10.0
         return min(round(seconds * self.graph.frame_rate), UNBOUNDED)
 
 
@@ -87,7 +87,8 @@ def follow(
     if node is not None and not 0 <= node < graph.num_nodes:
         raise ConfigError(got=f"node {node}", expected=f"0 … {graph.num_nodes - 1}")
     entered = time.perf_counter()
-    curve = make_curve(sketch)
+    config = path_for_body(config, graph.body_scale)
+    curve = make_curve(sketch, graph.body_scale)
     place = curve.start() if start is None else np.asarray(start, dtype=np.float64)
     _check_start(sketch, curve, place, config)
     prepared = prepared_for(graph, prepared=prepared)
@@ -121,13 +122,14 @@ def _check_start(sketch: Sketch, curve: Curve, start: PlanarFrame, config: PathC
     off = float(np.linalg.norm(start[1:] - curve.points[0]))
     if not off <= config.near_m:
         raise PathError(
-            f"got a walk that begins {off:.2f} m from the path, expected at most {config.near_m:g}"
+            f"got a walk that begins {off:.2f} m from the path, expected at most"
+            f" {config.near_m:.3g}"
         )
     for x, z, radius in sketch.obstacles:
         if math.hypot(start[1] - x, start[2] - z) < radius + config.margin_m:
             raise PathError(
                 f"got an obstacle at ({x:g}, {z:g}) over the beginning of the path, expected a"
-                f" free one ({radius:g} m radius and {config.margin_m:g} m margin)"
+                f" free one ({radius:g} m radius and {config.margin_m:.3g} m margin)"
             )
 
 

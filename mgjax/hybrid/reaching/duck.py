@@ -21,9 +21,9 @@ from mgjax.hybrid.prepared import ReachBody
 from mgjax.hybrid.reaching.targets import Bar
 
 CLEAR_M = 0.02
-"""What is to be left between body and bar."""
+"""What is to be left between an adult's body and a bar."""
 _NEAR_M = 0.75
-"""The body stays down while its root is so near to the bar on the floor."""
+"""An adult's body stays down while its root is so near to the bar on the floor."""
 _LEAN = math.radians(75.0)
 """How far the head turns forward about the hips in the deepest duck."""
 _DEPTHS = 8
@@ -55,12 +55,13 @@ def duck(body: ReachBody, motion: Motion, bar: Bar, blend: int, config: ReachCon
 
     The head's target is its place turned forward about the hips, which lower at the same time with
     the feet fixed; depth by depth, until nothing of the body comes nearer to the bar than
-    :data:`CLEAR_M`. Where no depth does, the one that leaves most is kept.
+    :data:`CLEAR_M`, times the scale of the body. Where no depth does, the one that leaves most is
+    kept.
     """
-    plain = bar_clearance(body, motion, bar)
-    if plain.min() >= CLEAR_M:
+    plain, clear = bar_clearance(body, motion, bar), body.scale * CLEAR_M
+    if plain.min() >= clear:
         return Duck(motion=motion, depth=0.0, frames=None)
-    passes = _passes(motion, bar, plain, blend)
+    passes = _passes(body, motion, bar, plain, blend)
     number = np.arange(motion.num_frames)
     weight = np.max([plateau(number, *ends, blend, blend) for ends in passes], axis=0)
     first, last = passes[0][0], passes[-1][1]
@@ -72,24 +73,25 @@ def duck(body: ReachBody, motion: Motion, bar: Bar, blend: int, config: ReachCon
         trial = Duck(motion=moved, depth=float(depth), frames=(first, last))
         if best is None or least > best[0]:
             best = least, trial
-        if least >= CLEAR_M:
+        if least >= clear:
             break
     assert best is not None
     return best[1]
 
 
 def _passes(
-    motion: Motion, bar: Bar, plain: Float[np.ndarray, " F"], blend: int
+    body: ReachBody, motion: Motion, bar: Bar, plain: Float[np.ndarray, " F"], blend: int
 ) -> list[tuple[int, int]]:
     """First and last frame of each time that the body is under the bar, where it would be hit."""
     root = np.asarray(motion.root_translation, np.float64) * [1, 0, 1]
     floor = np.broadcast_to(bar.ends[0] * [1, 0, 1], root.shape)
     axis = np.broadcast_to((bar.ends[1] - bar.ends[0]) * [1, 0, 1] + [1e-6, 0, 0], root.shape)
     distance = segment_distance(root, root + np.array([0.0, 1e-3, 0.0]), floor, axis)
-    low = np.flatnonzero((distance < _NEAR_M) | (plain < CLEAR_M))
+    clear = body.scale * CLEAR_M
+    low = np.flatnonzero((distance < body.scale * _NEAR_M) | (plain < clear))
     cuts = np.flatnonzero(np.diff(low) > max(2 * blend, 1)) + 1
     runs = [(int(run[0]), int(run[-1])) for run in np.split(low, cuts)]
-    return [(a, b) for a, b in runs if plain[a : b + 1].min() < CLEAR_M]
+    return [(a, b) for a, b in runs if plain[a : b + 1].min() < clear]
 
 
 def _ducked(

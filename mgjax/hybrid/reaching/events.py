@@ -20,6 +20,7 @@ from mgjax.hybrid.reaching.targets import Target
 
 Status = Literal["reached", "out_of_reach", "too_high", "limits", "lost", "too_fast"]
 _BEFORE_M = 2.5
+"""So far before a target that is passed an adult leaves the path for it."""
 """A walk that would pass a target too far away leaves its path so far before it."""
 
 
@@ -170,7 +171,9 @@ def _extend(
     elif isinstance(when, str):
         steps = np.linalg.norm(np.diff(sampled.planes[:, 1:], axis=0), axis=1)
         arc = np.concatenate([[0.0], np.cumsum(steps)])
-        frame = int(np.searchsorted(arc, arc[_nearest(sampled, event)] - _BEFORE_M))
+        frame = int(
+            np.searchsorted(arc, arc[_nearest(sampled, event)] - sampled.body.scale * _BEFORE_M)
+        )
     else:
         frame = round(when * rate)
     frame = int(np.clip(frame, ahead, sampled.frames - 1)) if frame > 0 or ahead > 0 else 0

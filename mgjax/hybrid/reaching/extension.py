@@ -22,9 +22,9 @@ _HEADINGS = 12
 _TRIED = 6
 """Most ways that are walked, the shortest first."""
 _STEP_M = 0.1
-"""Distance of a way's points."""
+"""Distance of the points of an adult's way."""
 _REJOIN_M = 1.5
-"""So far beyond the place nearest to the target the walk is back on its path."""
+"""So far beyond the place nearest to the target an adult's walk is back on its path."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,13 +68,14 @@ def extensions(
     """
     number = sampled.edge_at(frame) + 1 if frame > 0 else 0
     begin = sampled.plane_after(number)
-    ahead = min(AHEAD_M, 0.7 * radius)
+    scale = sampled.body.scale
+    ahead = min(scale * AHEAD_M, 0.7 * radius)
     lines: list[tuple[float, np.ndarray]] = []
     for heading in 2 * math.pi * np.arange(_HEADINGS) / _HEADINGS + begin[0]:
         forward = np.array([math.sin(heading), math.cos(heading)])
         left = np.array([forward[1], -forward[0]])
-        stand = target[::2] - ahead * forward - 0.15 * side * left
-        line = dubins(begin, np.array([heading, *stand]), config.radius_m, _STEP_M)
+        stand = target[::2] - ahead * forward - 0.15 * scale * side * left
+        line = dubins(begin, np.array([heading, *stand]), config.radius_m, scale * _STEP_M)
         lines.append((float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()), line))
     lines.sort(key=lambda pair: pair[0])
     walks = []
@@ -93,16 +94,17 @@ def extensions(
 def rejoin(sampled: SampledWalk, target: Float[np.ndarray, "3"], curve: Curve, frame: int,
            config: ReachConfig, path: PathConfig) -> SampledWalk:  # fmt: skip
     """The walk that goes on from a frame along the rest of the path, as far as there is one."""
+    scale = sampled.body.scale
     away = np.linalg.norm(curve.points - target[::2], axis=1)
-    arc = float(curve.arc[int(np.argmin(away))]) + _REJOIN_M
-    if arc > curve.length - 0.5:
+    arc = float(curve.arc[int(np.argmin(away))]) + scale * _REJOIN_M
+    if arc > curve.length - 0.5 * scale:
         return sampled
     number = sampled.edge_at(frame) + 1
     begin = sampled.plane_after(number)
-    meets, after = curve.at(np.array(arc)), curve.at(np.array(arc + 0.1))
+    meets, after = curve.at(np.array(arc)), curve.at(np.array(arc + 0.1 * scale))
     heading = math.atan2(*(after - meets))
-    line = dubins(begin, np.array([heading, *meets]), config.radius_m, _STEP_M)
-    rest = curve.at(np.arange(arc + _STEP_M, curve.length, _STEP_M))
+    line = dubins(begin, np.array([heading, *meets]), config.radius_m, scale * _STEP_M)
+    rest = curve.at(np.arange(arc + scale * _STEP_M, curve.length, scale * _STEP_M))
     points = np.concatenate([line, rest])
     edges = _walk(sampled, sampled.node_after(number), begin, points, path)
     if edges is None:
@@ -117,8 +119,8 @@ def _walk(
 ) -> tuple[int, ...] | None:
     """The edges of a walk along a line, as far as it leads; None where there is none."""
     steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    line = line[np.concatenate([[True], steps > 1e-3])]
-    if steps.sum() < 2 * _STEP_M:
+    line = line[np.concatenate([[True], steps > 1e-3 * sampled.body.scale])]
+    if steps.sum() < 2 * sampled.body.scale * _STEP_M:
         return None
     try:
         sketch = make_sketch(line)

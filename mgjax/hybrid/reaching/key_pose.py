@@ -73,7 +73,7 @@ def find_key_pose(
         for x in (sampled.motion.root_translation, sampled.motion.local_rotations)
     )
     middle = steps // 2
-    drops = np.linspace(0, config.drop_m, _DROPS)
+    drops, scale = np.linspace(0, config.drop_m, _DROPS), sampled.body.scale
     down = drops[:, None] * np.array([[0.0, -1.0, 0.0]])
     solved = key_poses(
         rig,
@@ -85,7 +85,7 @@ def find_key_pose(
     roots = np.repeat(root[middle] + down, starts, axis=0)
     poses = solved.reshape(-1, *solved.shape[2:])
     cost = _costs(sampled, rig, roots, local[middle], points[middle], poses, config)
-    depth, number = divmod(int(np.argmin(cost + np.repeat(4.0 * drops, starts))), starts)
+    depth, number = divmod(int(np.argmin(cost + np.repeat(4.0 * drops / scale, starts))), starts)
     lowered = root + down[depth]
     poses = track_targets(rig, lowered, local, points, middle, solved[depth, number])
     positions = _positions(rig, lowered, local, poses)
@@ -116,17 +116,19 @@ def _costs(
     poses: Float[np.ndarray, "P n 4"],
     config: ReachConfig,
 ) -> Float[np.ndarray, " P"]:
+    scale = sampled.body.scale
     positions = _positions(rig, roots, np.repeat(local[None], len(poses), axis=0), poses)
     cost = pose_cost(rig, local, poses)
     for limb, point in zip(rig.limbs, points, strict=True):
         miss = np.linalg.norm(positions[:, limb.joints[-1]] - point, axis=-1)
         # Missing by the tolerance or by a metre: both are worse than any pose that arrives.
-        cost = cost + np.where(miss > 0.5 * config.hold_m, 100.0 + 100.0 * miss, 0.0)
+        cost = cost + np.where(miss > 0.5 * config.hold_m, 100.0 + 100.0 * miss / scale, 0.0)
         if limb.is_arm:
             clear = arm_clearance(sampled.body.capsules, positions, limb.type)
-            cost = cost + 40.0 * np.maximum(0.01 - clear, 0.0)
+            cost = cost + 40.0 * np.maximum(0.01 - clear / scale, 0.0)
             roles = (limb.type.role("shoulder"), limb.type.role("elbow"))
             joints = require_roles(rig.skeleton, roles)
             shoulder, elbow = (positions[:, joint, 1] for joint in joints)
-            cost = cost + 4.0 * np.maximum(elbow - np.maximum(shoulder, point[1]), 0.0)
+            above = elbow - np.maximum(shoulder, point[1])
+            cost = cost + 4.0 * np.maximum(above / scale, 0.0)
     return cost

@@ -18,10 +18,11 @@ from mgjax.hybrid.reaching.targets import Target
 NEAR = 0.95
 """Share of a chain's length within which a target counts as in reach."""
 AHEAD_M = 0.45
-"""How far in front of the root a target is reached most easily."""
+"""How far in front of the root an adult reaches a target most easily."""
 _ASIDE = (math.radians(-25.0), math.radians(65.0))
 """Directions in which a hand reaches easily, from straight ahead towards its own side."""
 _CLEAR_M = 0.02
+"""Nearer to its own body, an adult does not reach a target."""
 _TRIED = 4
 """Most places on a walk that are tried for one target."""
 
@@ -59,7 +60,7 @@ def stance_cost(
     A target is easy to reach half an arm ahead of the body, on the hand's own side; one inside the
     body is not reached at all.
     """
-    base = sampled.positions[:, limb.joints[0]]
+    base, scale = sampled.positions[:, limb.joints[0]], sampled.body.scale
     local = np.asarray(planar.apply(np.asarray(planar.inverse(sampled.planes)), points))
     distance = np.linalg.norm(points[:, ::2] - base[:, ::2], axis=1)
     radius = np.array(
@@ -69,8 +70,8 @@ def stance_cost(
         ]
     )
     inside = inside_body(sampled, points) | ~(distance <= radius)
-    wanted = np.minimum(AHEAD_M, 0.7 * np.nan_to_num(radius))
-    cost = np.abs(distance - wanted) / 0.3
+    wanted = np.minimum(scale * AHEAD_M, 0.7 * np.nan_to_num(radius))
+    cost = np.abs(distance - wanted) / (0.3 * scale)
     if limb.is_arm:
         angle = np.arctan2(limb.type.sign * local[:, 0], local[:, 2])
         cost = cost + np.maximum(0, np.maximum(angle - _ASIDE[1], _ASIDE[0] - angle)) / 0.8
@@ -81,7 +82,7 @@ def inside_body(sampled: SampledWalk, points: Float[np.ndarray, "F 3"]) -> np.nd
     """[F] whether a point lies inside torso, head or legs."""
     core = [i for i, limb in enumerate(sampled.body.capsules.limbs) if limb is None]
     distance = to_points(sampled.body.capsules, sampled.positions, points)[:, core]
-    return distance.min(axis=1) < _CLEAR_M
+    return distance.min(axis=1) < sampled.body.scale * _CLEAR_M
 
 
 def hold_costs(

@@ -13,7 +13,7 @@ from mgjax.core.shown import made_of
 from mgjax.graph.plants import foot_slide
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import make_walk
-from mgjax.hybrid.config import PathConfig, ReachConfig, validate_reach_config
+from mgjax.hybrid.config import PathConfig, ReachConfig, reach_for_body, validate_reach_config
 from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.result import PathResult, track_of
 from mgjax.hybrid.paths.search import follow
@@ -73,6 +73,7 @@ def reach(
     """
     config, path = config or ReachConfig(), path or PathConfig()
     validate_reach_config(config)
+    config = reach_for_body(config, graph.body_scale)
     events = make_events(graph, targets)
     prepared = prepared_for(graph, config, prepared)
     if walked is None:
@@ -80,7 +81,7 @@ def reach(
     begun = time.perf_counter()
     edges = tuple(walked.walk.edges.tolist())
     first = make_sampled_walk(graph, prepared, edges, walked.frames, walked.start)
-    sampled = place_events(first, make_curve(sketch), events, config, path)
+    sampled = place_events(first, make_curve(sketch, graph.body_scale), events, config, path)
     if sampled is not first:
         walked = _extended(graph, walked, sampled, sketch)
     kept = [event for event in events if event.status == "reached"]
@@ -115,7 +116,7 @@ def _extended(
         graph.edge_distance[chosen].astype(np.float64) ** 2, graph.edge_frames[chosen]
     )
     track = track_of(graph, sampled.motion, blend[: sampled.frames])
-    curve = make_curve(sketch)
+    curve = make_curve(sketch, graph.body_scale)
     slide, share = foot_slide(graph.skeleton, sampled.motion, sampled.plants)
     return replace(
         walked,

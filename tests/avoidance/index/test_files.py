@@ -28,6 +28,23 @@ def test_saved_and_loaded(tmp_path: Path) -> None:
     assert again.nbytes == index.nbytes > 0
 
 
+def test_of_format_1_every_cell_has_10_cm(tmp_path: Path) -> None:
+    graph = random_graph(1)
+    index = build_index(graph, horizon=0.8)
+    save_index(tmp_path, index)
+    file = tmp_path / "grid_index.safetensors"
+    arrays, metadata = load_arrays(file, "grid index")
+    assert index.scale == metadata.pop("scale") == graph.body_scale != 1
+    save_arrays(file, arrays, metadata | {"format_version": 1})
+    again = load_index(tmp_path, graph)
+    assert again.scale == 1
+    np.testing.assert_array_equal(again.code, index.code)
+    for scale in (0, "1", None):
+        save_arrays(file, arrays, metadata | {"scale": scale})
+        with pytest.raises(FileFormatError, match="scale"):
+            load_index(tmp_path, graph)
+
+
 def test_a_stale_or_damaged_index_is_refused(tmp_path: Path) -> None:
     graph = random_graph(1)
     with pytest.raises(FileFormatError, match="no such file"):

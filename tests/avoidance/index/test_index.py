@@ -35,13 +35,20 @@ from tests.avoidance.index.made import (
 )
 from tests.avoidance.made import make_graph, random_graph, throw
 from tests.reference import grid_index as reference
+from tests.sized import graph_of_size
+
+
+def bodies_of(graph: MotionGraph) -> reference.Bodies:
+    """The bodies of a graph at the size of an adult, as an index has them."""
+    adult = graph_of_size(graph, 1 / graph.body_scale)
+    return reference.Bodies(adult, preset_spheres(adult.skeleton), RATE)
 
 
 def check_cells(graph: MotionGraph, index: GridIndex, node: int, paths: list[int], rate: float):
     """Compares the cells of some paths of a node with the definition; returns their number."""
     walks = reference.walks_within(graph, node, index.horizon)
     assert pairs(all_of(index, node)) == walks
-    bodies = reference.Bodies(graph, preset_spheres(graph.skeleton), RATE)
+    bodies = bodies_of(graph)
     total = 0
     for path in paths:
         sure, perhaps = reference.cells_of_walk(bodies, *walks[path], rate)
@@ -165,7 +172,7 @@ def test_lookup_is_the_enumeration_that_touches(
 def test_lookup_by_the_definition(seed: int) -> None:
     graph = random_graph(seed)
     index = build_index(graph, horizon=1.0)
-    bodies = reference.Bodies(graph, preset_spheres(graph.skeleton), RATE)
+    bodies = bodies_of(graph)
     rng = np.random.default_rng(seed)
     met = missed = 0
     for node in range(graph.num_nodes):

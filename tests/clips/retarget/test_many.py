@@ -20,6 +20,7 @@ from mgjax.core.errors import SkeletonError
 from mgjax.core.kinematics import forward, global_positions
 from mgjax.core.skeleton import Skeleton
 from tests.clips.retarget.bodies import mixamo, turned_rest, xsens
+from tests.sized import clips_of_size
 
 MADE = {clip.name: clip for clip in synthetic_clips()[0]}
 WALK = MADE["walk"]
@@ -32,7 +33,7 @@ def prepared(clips: list[Clip], labels=None, *, skeleton=WALK.skeleton, retarget
 
 
 def test_clips_of_four_skeletons_become_those_of_one():
-    small = replace(MADE["duck"], name="small", skeleton=scaled(WALK.skeleton, 0.8))
+    (small,) = clips_of_size([replace(MADE["duck"], name="small")], 0.8)
     other = [replace(mixamo(WALK), name="m"), replace(xsens(WALK), name="x"), small]
     labels = {"m": (Label(start_s=1.0, end_s=2.0, kind="step", direction="left"),)}
     made, notes = prepared([WALK, *other], labels)

@@ -67,14 +67,14 @@ def at(page, place):
 
 def test_left_turns_right_turns_shift_left_shifts_wheel_zooms(page):
     before = page.evaluate(CAMERA)
-    drag(page, (500, 250), [(540, 260)])
+    drag(page, (500, 200), [(540, 210)])
     turned = page.evaluate(CAMERA)
     assert turned["yaw"] < before["yaw"]
     assert turned["pitch"] > before["pitch"]
     assert turned["target"] == before["target"]
-    drag(page, (500, 250), [(460, 250)], button="right")
+    drag(page, (500, 200), [(460, 200)], button="right")
     assert page.evaluate(CAMERA)["yaw"] > turned["yaw"]
-    drag(page, (500, 250), [(520, 230)], modifier="Shift")
+    drag(page, (500, 200), [(520, 180)], modifier="Shift")
     shifted = page.evaluate(CAMERA)
     assert shifted["target"] != turned["target"]
     assert shifted["yaw"] == pytest.approx(before["yaw"])

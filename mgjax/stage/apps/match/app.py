@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from mgjax.ballsport.clipset.repertoire import Repertoire
 from mgjax.ballsport.live.recogniser import LiveDriver
 from mgjax.ballsport.scene.build import prepare_scene
-from mgjax.ballsport.scene.config import SceneConfig
 from mgjax.clips.folder import load_clips
 from mgjax.clips.synthetic_kicks import synthetic_kicks
 from mgjax.clips.types import Clip
-from mgjax.stage.apps.match.game import Game
-from mgjax.stage.apps.match.pitch import pitch
+from mgjax.stage.apps.match.pitch import COUNTS, pitch
+from mgjax.stage.apps.match.rehearsal import Rehearsal
 from mgjax.stage.apps.match.session import MatchSession
-from mgjax.stage.apps.match.wishes import Wishes
 from mgjax.stage.serve.options import Options
 from mgjax.stage.serve.session import Progress, Send
 from mgjax.stage.show.body import body_of
 
-_PITCHES = ((3, True), (6, False), (6, True))
-_REHEARSED_S = 25.0
-"""So long each pitch is played before the page is ready: then all programs are compiled."""
 _MOST_CLIPS = 60
 _OTHER_SEED = 5
 """Clips that are played as the user are others than the stored ones."""
@@ -34,47 +27,46 @@ class MatchApp:
         self._folder = folder
         self._moves: Repertoire | None = None
         self._clips: dict[str, Clip] = {}
+        self._rehearsal: Rehearsal | None = None
         self._opened = 0
 
     def prepare(self, progress: Progress) -> None:
-        """Loads the kicks, and rehearses every pitch."""
+        """Loads the kicks, and rehearses the first pitch."""
         progress(0.02, "reading the kicks")
-        config = pitch(_PITCHES[0][0], net=True, clips=self._folder)
+        config = pitch(COUNTS[0], net=True, clips=self._folder)
         moves = prepare_scene(config)
         self._clips = clips_of_user(self._folder)
         progress(0.25, "making the body")
         body_of(moves.clips.skeleton)
-        for k, (count, net) in enumerate(_PITCHES):
-            progress(0.3 + 0.2 * k, f"rehearsing with {count} players")
-            _rehearse(pitch(count, net=net, clips=self._folder), moves)
-        progress(0.9, "rehearsing to recognise kicks")
+        progress(0.3, "learning to recognise kicks")
         LiveDriver(moves.clips, bones=tuple(dict.fromkeys(moves.clips.hit_bone)))
-        self._moves = moves
+        progress(0.4, "the players warm up")
+        self._moves, self._rehearsal = moves, Rehearsal(moves)
+        self._rehearsal.begin(config)
 
     def open(self, send: Send) -> MatchSession:
         """A new tab."""
         assert self._moves is not None
+        assert self._rehearsal is not None
         self._opened += 1
-        return MatchSession(send, self._moves, self._clips, folder=self._folder, seed=self._opened)
+        return MatchSession(
+            send,
+            self._moves,
+            self._clips,
+            folder=self._folder,
+            seed=self._opened,
+            rehearsal=self._rehearsal,
+        )
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Ends what still goes on in the background."""
+        if self._rehearsal is not None:
+            self._rehearsal.close()
 
 
 def make_app(options: Options) -> MatchApp:
     """The application, on the embedded kicks and those of a folder, if there is one."""
     return MatchApp("" if options.clips is None else str(options.clips))
-
-
-def _rehearse(config: SceneConfig, moves: Repertoire) -> None:
-    wishes = Wishes(
-        players=[p.name for p in config.players], rng=np.random.default_rng(0), bounces="any"
-    )
-    game = Game(config, moves, wishes)
-    time = 0.0
-    while time < _REHEARSED_S:
-        game.play(time)
-        time = game.known_s
 
 
 def clips_of_user(folder: str) -> dict[str, Clip]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from mgjax.stage.apps.match.export import FILES, exported
 from mgjax.stage.apps.match.game import Game
 from mgjax.stage.apps.match.passes import as_message
 from mgjax.stage.apps.match.pitch import COUNTS, pitch
+from mgjax.stage.apps.match.rehearsal import Rehearsal
 from mgjax.stage.apps.match.source import ClipSource, SensorSource
 from mgjax.stage.apps.match.wishes import BOUNCES, KINDS_OR_ANY, Wishes
 from mgjax.stage.serve import fields
@@ -40,6 +42,7 @@ class MatchSession:
         folder: of captured kicks; "": none.
         seed: draws what nobody said.
         open_sensor: opens the motion sensor.
+        rehearsal: compiles what pitches need before they are played; None: as they are played.
 
     Attributes:
         game: that is being played.
@@ -54,9 +57,11 @@ class MatchSession:
         folder: str = "",
         seed: int = 0,
         open_sensor: Callable[[], SensorSource] = SensorSource,
+        rehearsal: Rehearsal | None = None,
     ) -> None:
         self._send, self._moves, self._clips = send, moves, clips
         self._folder, self._open_sensor = folder, open_sensor
+        self._rehearsal = rehearsal
         self._rng = np.random.default_rng(seed)
         self._number = 0
         self._time = 0.0
@@ -95,6 +100,8 @@ class MatchSession:
         self._wishes = Wishes(
             players=names, rng=self._rng, on=self._on, kind=self._kind, bounces=self._bounces
         )
+        if self._rehearsal is not None:
+            self._wishes.ready = partial(self._rehearsal.ready, self._config)
         self.game = Game(self._config, self._moves, self._wishes)
         self._beside = Beside(self._moves, self._config, self._send)
         self._number, self._time = self._number + 1, 0.0
@@ -192,6 +199,9 @@ class MatchSession:
         if count not in COUNTS:
             raise ConfigError(got=f"{count} players", expected=" or ".join(map(str, COUNTS)))
         self._config = pitch(count, net=fields.flag(message, "net"), clips=self._folder)
+        self._note("busy", text="The players warm up")
+        if self._rehearsal is not None:
+            self._rehearsal.prepare(self._config)
         self._beside.close()
         self._begin()
 

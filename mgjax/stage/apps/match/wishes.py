@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,7 +17,7 @@ MOST_PICKED = 8
 """Players that can be clicked ahead."""
 _BACK = 0.35
 """How likely a ball goes back to where it came from, beside to somebody else."""
-_OFTEN = (0.2, 0.6, 0.2)
+_OFTEN = {"0": 0.2, "1": 0.6, "2": 0.2}
 """How often 0, 1 and 2 bounces are taken where nobody said."""
 
 
@@ -33,6 +33,7 @@ class Wishes:
         picked: who gets the ball next, and then.
         kicked: the user's body has kicked, so that a pass has to be.
         before: who passed last.
+        ready: numbers of bounces among which the game itself chooses; asked each time.
     """
 
     players: Sequence[str]
@@ -43,6 +44,7 @@ class Wishes:
     picked: list[str] = field(default_factory=list)
     kicked: bool = False
     before: str = ""
+    ready: Callable[[], Sequence[str]] = lambda: BOUNCES[1:]
 
     def pick(self, name: str, holder: str) -> None:
         """Somebody was clicked.
@@ -81,7 +83,9 @@ class Wishes:
     def _bounces(self) -> int:
         if self.bounces != ANY:
             return int(self.bounces)
-        return int(self.rng.choice(len(_OFTEN), p=_OFTEN))
+        known = list(self.ready()) or ["1"]
+        often = np.array([_OFTEN[bounces] for bounces in known])
+        return int(self.rng.choice(known, p=often / often.sum()))
 
 
 KINDS_OR_ANY = (ANY, *KINDS)

@@ -6,7 +6,6 @@ import { createMarks } from './match/marks.js';
 const HEARD_MS = 50;
 const WINDOW_SECONDS = 30;
 const NEAR_METRES = 0.7;
-const CLOSER = 0.85;
 
 /** Starts the application; see live.js for what it is given. */
 export function start({ stage, player, ui, side, link }) {
@@ -27,7 +26,6 @@ export function start({ stage, player, ui, side, link }) {
       Object.assign(game, { number, players, passes: [], bounces: [], known: 0, sent: -1 });
       panel.begin({ players, net, clips });
       stage.frameAll();
-      stage.camera.zoom(CLOSER);
     },
     played({ game: number, known, passes, bounces, spans, table }) {
       if (number !== game.number) return;
@@ -51,6 +49,7 @@ export function start({ stage, player, ui, side, link }) {
       now(true);
     },
     user: ({ text, tone }) => panel.user(text, tone),
+    busy: ({ text }) => panel.busy(text),
   };
   link.on('put', ({ kind, item }) => {
     if (kind === 'actors' && item.id === 'user') wholeInView();

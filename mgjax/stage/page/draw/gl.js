@@ -44,7 +44,6 @@ export function createKit(gl) {
     free() {
       kit.drop(...made.keys());
     },
-    get count() { return made.size; },
   };
   return kit;
 }

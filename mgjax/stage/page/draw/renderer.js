@@ -86,7 +86,6 @@ export function createRenderer(gl) {
       gl.bindVertexArray(null);
     },
     free: () => kit.free(),
-    get count() { return kit.count; },
   };
 }
 

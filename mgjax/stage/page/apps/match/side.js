@@ -104,6 +104,7 @@ export function createSide(ui, side, { pick, send }) {
       trouble.set('');
     },
     user: (text, tone) => said.set(capital(text), tone),
+    busy: (text) => happens.set(`${text} …`, 'busy'),
     trouble: (text, tone) => trouble.set(capital(text), tone),
     now(state, game) {
       const { text, tone } = nowWords(state, game);
