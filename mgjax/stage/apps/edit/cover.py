@@ -23,6 +23,7 @@ from mgjax.graph.types import MotionGraph
 from mgjax.stage.apps.edit.job import Watch
 
 HEIGHTS_M = (0.2, 0.5, 0.8, 1.1, 1.4, 1.7)
+"""Of an adult; they are scaled to the body."""
 ARRIVALS_S = (0.9, 1.2, 1.5)
 DIRECTIONS = 16
 ROUND = len(HEIGHTS_M) * len(ARRIVALS_S)
@@ -59,7 +60,7 @@ def cover(
         part = coverage(
             prepared,
             directions=DIRECTIONS,
-            heights=HEIGHTS_M,
+            heights=[graph.body_scale * height for height in HEIGHTS_M],
             arrivals=ARRIVALS_S,
             nodes=ROUND,
             seed=number,
@@ -149,6 +150,6 @@ def throw_of_cell(
     selection = select(graph, int(found.node[ball]), attack, config=config)
     words = (
         f"ball {turn % len(there) + 1} of {len(there)} from {bearing(float(angle))} at"
-        f" {found.heights[height]:g} m, known {arrives:g} s before"
+        f" {round(float(found.heights[height]), 2):g} m, known {arrives:g} s before"
     )
     return attack, selection, words

@@ -126,7 +126,7 @@ def test_coverage_grows_by_rounds_and_its_cells_are_counted(graph):
         )
         start = attack.centres[0, 0]
         angle = whole.directions[direction]
-        np.testing.assert_allclose(start[1], HEIGHTS_M[height])
+        np.testing.assert_allclose(start[1], graph.body_scale * HEIGHTS_M[height])
         away = 5.0 if attack.times[0] >= 0 else np.hypot(start[0], start[2])
         np.testing.assert_allclose(
             start[[0, 2]], away * np.array([np.sin(angle), np.cos(angle)]), atol=1e-6
