@@ -42,6 +42,11 @@ ARGUMENTS = (
 _START_MS = 60_000
 _PLAIN = ".mg-under, .mg-corner { display: none !important; }"
 """A picture has no buttons and no timeline."""
+_AS_HIGH_AS = "height => document.querySelector('.mg-canvas').clientHeight === height"
+_SEEK = """time => {
+  window.mgjax.player.seek(time);
+  return window.mgjax.stage.snapshot(time);
+}"""
 
 
 def save_show(path: str | Path, show: Show, *, time: float | None = None) -> None:
@@ -114,7 +119,7 @@ def pictures(
         show: what is to be seen.
         times: s.
         size: of the pictures, pixels.
-        plain: without the words at the side.
+        plain: the picture alone, without words, buttons and timeline.
 
     Raises:
         ConfigError: there is no browser, or it cannot draw.
@@ -132,14 +137,13 @@ def _pictures(
     show: Show, times: list[float], size: tuple[int, int], plain: bool
 ) -> Generator[bytes, None, None]:
     shown = replace(show, title="", words="", notes=(), bars=()) if plain else show
-    with _page(page_html(shown, play=False, dark=False), size) as page:
+    with _page(page_html(shown, play=False, dark=False), size, plain) as page:
         for time in times:
-            data = page.evaluate("time => window.mgjax.stage.snapshot(time)", float(time))
+            data = page.evaluate(_SEEK, float(time))
             if not data:
-                raise ConfigError(
-                    got="a browser that lost its picture", expected="one with WebGL 2"
-                )
-            yield base64.b64decode(data.split(",", 1)[1])
+                got = "a browser that lost its picture"
+                raise ConfigError(got=got, expected="one with WebGL 2")
+            yield base64.b64decode(data.split(",", 1)[1]) if plain else page.screenshot()
 
 
 def pixels_of(picture: bytes) -> np.ndarray:
@@ -149,7 +153,7 @@ def pixels_of(picture: bytes) -> np.ndarray:
 
 
 @contextmanager
-def _page(text: str, size: tuple[int, int]) -> Iterator[Any]:
+def _page(text: str, size: tuple[int, int], plain: bool) -> Iterator[Any]:
     """The page in a browser without a window, drawn once."""
     try:
         from playwright.sync_api import Error, sync_playwright
@@ -167,12 +171,9 @@ def _page(text: str, size: tuple[int, int]) -> Iterator[Any]:
             page = browser.new_page(viewport={"width": size[0], "height": size[1]}, bypass_csp=True)
             page.goto(file.as_uri())
             page.wait_for_function("window.mgjax && window.mgjax.stage", timeout=_START_MS)
-            page.add_style_tag(content=_PLAIN)
-            page.wait_for_function(
-                "height => document.querySelector('.mg-canvas').clientHeight === height",
-                arg=size[1],
-                timeout=_START_MS,
-            )
+            if plain:
+                page.add_style_tag(content=_PLAIN)
+                page.wait_for_function(_AS_HIGH_AS, arg=size[1], timeout=_START_MS)
             page.evaluate("window.mgjax.stage.frameAll()")
             yield page
             browser.close()

@@ -251,7 +251,7 @@ def test_demo(tmp_path: Path) -> None:
     out = tmp_path / "out"
     ran = run("demo", "--out", out, "--balls", 4, "--json")
     assert (ran.status, ran.err) == (0, "")
-    assert files(out) == {"motion.bvh", "result.json", "scene.png"}
+    assert files(out) == {"index.html", "motion.bvh", "result.json", "scene.png"}
     assert (out / "scene.png").read_bytes()[:8] == PNG
     result = ran.json
     assert json.loads((out / "result.json").read_text()) == result

@@ -27,8 +27,8 @@ class Explained:
 
     Attributes:
         number: among the candidates that satisfy eq. 1, from 0.
-        rank: place in the order in which candidates are checked, from 0: by energy, then those whose
-            sampled volumes are touched, the least first; None where it cannot be timed.
+        rank: place in the order in which candidates are checked, from 0: by energy, then those
+            whose sampled volumes are touched, the least first; None where it cannot be timed.
         part: the avoidance part it is meant for.
         outcome: ``clear`` or ``hit`` by the exact check; ``not adjustable``: no edge may change its
             speed as needed; ``time scale``: out of range; ``unchecked``: beyond those asked for.

@@ -17,12 +17,14 @@ const APPS = {
 function begin() {
   const view = document.getElementById('view');
   const side = document.getElementById('side');
-  const stage = createStage(document.getElementById('canvas'), { dark: ui.systemDark() });
+  const stage = stageOrWords(view);
+  if (!stage) return;
   const player = createPlayer(stage, document.getElementById('bar'), { live: true });
   const corner = element('div', { class: 'mg-corner' });
   view.append(corner);
   followButton(corner, stage);
   ui.themeButton(corner, stage);
+  stage.keepClear(corner);
   const waiting = element('div', { class: 'mg-waiting' });
   view.append(waiting);
   const progress = ui.progress(waiting);
@@ -32,11 +34,14 @@ function begin() {
 
   const link = openLink('/link');
   let running = false;
+  let failed = false;
   link.on('progress', ({ share, text }) => {
     if (!running) progress.set(Math.min(share, 0.999), text);
   });
   link.on('sentence', ({ text, tone }) => {
-    if (!running) trouble.set(text, tone);
+    if (running) return;
+    failed = tone === 'bad';
+    trouble.set(text, tone);
   });
   link.on('file', ({ name, mime, data }) => ui.download(name, data, mime));
   link.on('show', ({ show }) => {
@@ -63,10 +68,23 @@ function begin() {
   link.onClose((reason) => {
     waiting.hidden = false;
     progress.set(1);
-    trouble.set(reason || 'The connection is lost; trying again.', 'bad');
+    if (!failed) trouble.set(reason || 'The connection is lost; trying again.', 'bad');
   });
-  link.onOpen(() => trouble.set(''));
+  link.onOpen(() => {
+    failed = false;
+    trouble.set('');
+  });
   globalThis.mgjax = { stage, player, link };
+}
+
+/** The stage, or null and a sentence where the browser cannot draw it. */
+function stageOrWords(view) {
+  try {
+    return createStage(document.getElementById('canvas'), { dark: ui.systemDark() });
+  } catch (error) {
+    view.append(element('p', { class: 'mg-message', text: `There is nothing to see: ${error.message}.` }));
+    return null;
+  }
 }
 
 /** Keeps messages that come while the application's program is still loading. */
@@ -82,15 +100,13 @@ function hold(link) {
 }
 
 function followButton(parent, stage) {
-  const made = ui.button(parent, {
-    label: '◎', name: 'follow', title: 'The camera follows', onClick() {
+  const made = ui.iconButton(parent, {
+    picture: 'follow', title: 'The camera follows', onClick() {
       const [first] = stage.scene.actors.keys();
       stage.follow = stage.follow === null ? first ?? null : null;
       show();
     },
   });
-  made.classList.add('mg-icon');
-  made.setAttribute('aria-label', 'The camera follows');
   function show() {
     made.setAttribute('aria-pressed', String(stage.follow !== null));
   }

@@ -47,7 +47,7 @@ def coverage_show(graph: MotionGraph, result: Coverage, *, title: str = "Coverag
         bodies=[body_of(graph.skeleton)],
         actors=[Actor(id="body", body=0, frames=frames_of(_standing(graph)), colour="grey")],
         things=[
-            _ball(result, direction, height, float(share[direction, height]))
+            _ball(result, int(direction), int(height), float(share[direction, height]))
             for direction, height in zip(*np.nonzero(~np.isnan(share)), strict=True)
         ],
         bars=[

@@ -27,10 +27,17 @@ def avoided_words(status: str, kind: str | None, clearance_m: float | None) -> s
     if status == "no_candidate" or kind is None or clearance_m is None:
         return "no candidate: no avoidance part comes at the right time"
     if status == "hit":
-        return f"hit, {-100 * clearance_m:.0f} cm deep, in spite of {kind}"
-    near = f"{100 * clearance_m:.0f} cm"
-    far = f"more than {_NEAR_M:g} m" if clearance_m > _NEAR_M else near
-    return f"avoided by {kind}, {far} clear"
+        return f"hit, {length_words(-clearance_m)} deep, in spite of {kind}"
+    return f"avoided by {kind}, {length_words(clearance_m)} clear"
+
+
+def length_words(metres: float) -> str:
+    """A distance of surfaces: in millimetres below one centimetre."""
+    if metres > _NEAR_M:
+        return f"more than {_NEAR_M:g} m"
+    if metres < 0.0095:
+        return f"{1000 * metres:.0f} mm"
+    return f"{100 * metres:.0f} cm"
 
 
 def energy_bars(avoidance: float, body: float, time_scale: float) -> list[Bar]:

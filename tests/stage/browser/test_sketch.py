@@ -148,10 +148,12 @@ def test_what_is_saved_is_what_the_command_reads_and_what_is_opened(
     targets = downloaded(page, "save-targets", tmp_path)
     assert load_sketch(path).spline
     assert [target.limb for target in load_targets(targets)] == ["right_hand", "head"]
-    skeleton, motion = load_motion(downloaded(page, "export-bvh", tmp_path))
+    page.locator("[data-name=save] summary").click()
+    page.locator("[data-name=motion-format]").select_option("bvh")
+    skeleton, motion = load_motion(downloaded(page, "motion", tmp_path))
     assert motion.num_frames == round(note["seconds"] * motion.frame_rate) + 1
     assert "root" in skeleton.names
-    picture = downloaded(page, "export-png", tmp_path)
+    picture = downloaded(page, "picture", tmp_path)
     assert picture.read_bytes().startswith(b"\x89PNG")
     after(page, lambda: page.click("[data-name=clear]"))
     for name in (path, targets):

@@ -10,15 +10,18 @@ from mgjax.stage.show.throws import Thrown, throws_show
 from mgjax.stage.show.words import avoided_words
 
 
+def _kind(graph, selection) -> str:
+    kind, way = graph.label_kind[selection.part], graph.label_direction[selection.part]
+    return f"{kind} {way}".strip().replace("_", " ")
+
+
 def test_the_figures_are_those_of_the_selection(graph, thrown):
     attack, selection = thrown
     show = selection_show(graph, attack, selection)
     last = (selection.motion.num_frames - 1) / selection.motion.frame_rate
     assert show.seconds == pytest.approx(last)
     assert show.seconds > selection.crop.end
-    kind = graph.label_kind[selection.part].replace("_", " ")
-    assert show.words.startswith(f"avoided by {kind}")
-    assert f"{100 * selection.clearance_m:.0f} cm clear" in show.words
+    assert show.words == avoided_words("avoided", _kind(graph, selection), selection.clearance_m)
     assert [bar.value for bar in show.bars] == [
         selection.energy.avoidance, selection.energy.body, selection.energy.timescale
     ]  # fmt: skip
@@ -74,6 +77,7 @@ def test_each_sphere_lives_as_long_as_it_does():
 
 def test_words_of_each_outcome():
     assert avoided_words("avoided", "duck", 0.041) == "avoided by duck, 4 cm clear"
+    assert avoided_words("avoided", "duck", 0.004) == "avoided by duck, 4 mm clear"
     assert avoided_words("avoided", "duck", 3.0) == "avoided by duck, more than 2 m clear"
     assert avoided_words("hit", "sway left", -0.02) == "hit, 2 cm deep, in spite of sway left"
     assert "no candidate" in avoided_words("no_candidate", None, None)

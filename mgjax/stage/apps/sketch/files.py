@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import json
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from mgjax.core.errors import FileFormatError
-from mgjax.core.motion import Motion
-from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid.paths.sketch import Sketch, parse_sketch
 from mgjax.hybrid.reaching.targets import Target, parse_targets
-from mgjax.io.bvh.write import save_bvh
 
 
 def sketch_text(sketch: Sketch) -> str:
@@ -86,11 +82,3 @@ def _has_targets(text: str) -> bool:
     if isinstance(root, dict):
         return "targets" in root
     return isinstance(root, list) and bool(root) and isinstance(root[0], dict)
-
-
-def bvh_bytes(skeleton: Skeleton, motion: Motion) -> bytes:
-    """A motion as a BVH file."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "walk.bvh"
-        save_bvh(path, skeleton, motion)
-        return path.read_bytes()

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
+from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid.paths.result import PathResult
 from mgjax.stage.apps.sketch.drawing import Drawing, Goal
 from mgjax.stage.apps.sketch.solve import Solution
-from mgjax.stage.apps.sketch.words import DONE, way_added
+from mgjax.stage.apps.sketch.words import DONE, figures, sentence, target_words, way_added
+from mgjax.stage.show.body import body_of
 from mgjax.stage.show.frames import frames_of
-from mgjax.stage.show.types import Actor, Colour, Line, Span, Thing
+from mgjax.stage.show.types import Actor, Colour, Line, Show, Span, Thing
 
 WALKER = "walker"
 GOAL_M = 0.055
@@ -30,7 +33,7 @@ def actors_of(solution: Solution) -> list[Actor]:
     motion = solution.motion
     if motion is None:
         return []
-    return [Actor(id=WALKER, body=0, frames=frames_of(motion, delta=False), colour="blue")]
+    return [Actor(id=WALKER, body=0, frames=frames_of(motion), colour="blue")]
 
 
 def lines_of(solution: Solution) -> list[Line]:
@@ -137,6 +140,29 @@ def moments_of(solution: Solution) -> list[tuple[str, float]]:
     roots = np.asarray(motion.root_translation, np.float64)[:, ::2]
     frame = int(np.argmin(np.linalg.norm(roots - place, axis=1)))
     return [("farthest", frame / motion.frame_rate)]
+
+
+def show_of(solution: Solution, skeleton: Skeleton) -> Show:
+    """All of it, to be played elsewhere: nothing there can be moved."""
+    motion = solution.motion
+    assert motion is not None
+    names = solution.drawing.names()
+    reached = [
+        (names[goal.id], target_words(solution, number))
+        for number, goal in enumerate(solution.drawing.goals)
+    ]
+    return Show(
+        title="Sketch",
+        seconds=(motion.num_frames - 1) / motion.frame_rate,
+        words=sentence(solution)[0],
+        bodies=[body_of(skeleton)],
+        actors=actors_of(solution),
+        lines=lines_of(solution),
+        things=[replace(thing, drag=None) for thing in things_of(solution)],
+        spans=spans_of(solution),
+        notes=[*figures(solution), *reached],
+        moments=moments_of(solution),
+    )
 
 
 def items_of(drawing: Drawing, words: Sequence[str]) -> list[dict[str, object]]:

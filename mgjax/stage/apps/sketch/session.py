@@ -6,8 +6,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
 
-import numpy as np
-
 from mgjax.core.errors import ConfigError
 from mgjax.stage.apps.sketch import edits, files
 from mgjax.stage.apps.sketch.drawing import METHODS, Drawing
@@ -16,6 +14,7 @@ from mgjax.stage.apps.sketch.picture import (
     items_of,
     lines_of,
     moments_of,
+    show_of,
     spans_of,
     things_of,
 )
@@ -23,7 +22,9 @@ from mgjax.stage.apps.sketch.ready_made import NAMES, ready_made
 from mgjax.stage.apps.sketch.solve import Effort, Solution, Solver, require_motion
 from mgjax.stage.apps.sketch.walking import height_of, standing_pose
 from mgjax.stage.apps.sketch.words import EMPTY, figures, sentence, target_words
+from mgjax.stage.serve.exports import FORMATS, html_file, motion_file
 from mgjax.stage.serve.fields import content, flag, number, point, points, text, whole
+from mgjax.stage.serve.film import file_message
 from mgjax.stage.serve.session import Message, Send
 from mgjax.stage.show.body import body_of
 from mgjax.stage.show.frames import frames_of
@@ -47,7 +48,7 @@ class SketchSession:
         self._solver, self._send = solver, send
         self._graph = solver.graph
         self._height = height_of(self._graph.skeleton)
-        frames = frames_of(standing_pose(self._graph), delta=False)
+        frames = frames_of(standing_pose(self._graph))
         self._waiting = Actor(id="waiting", body=0, frames=frames)
         self._drawing = Drawing()
         self._solution = Solution(drawing=self._drawing)
@@ -60,7 +61,7 @@ class SketchSession:
             "set": self._set, "remove": self._remove, "clear": self._clear, "undo": self._undo,
             "refine": self._refine, "save": self._save, "open": self._open, "export": self._export,
         }  # fmt: skip
-        options = {"ready_made": list(NAMES)}
+        options = {"ready_made": list(NAMES), "formats": list(FORMATS)}
         send({"type": "ready", "app": "sketch", "title": "Sketch", "options": options})
         send({"type": "show", "show": show_value(self._standing())})
 
@@ -201,11 +202,13 @@ class SketchSession:
 
     def _save(self, message: Message) -> None:
         if text(message, "what", ("path", "targets")) == "path":
-            self._file("path.json", "application/json", files.sketch_text(self._drawing.sketch()))
+            data = files.sketch_text(self._drawing.sketch())
+            self._send(file_message("path.json", "application/json", data.encode()))
             return
         if not self._drawing.goals:
             raise ConfigError(got="no targets", expected="a hand, head or bar on the stage")
-        self._file("targets.json", "application/json", files.targets_text(self._drawing.targets()))
+        data = files.targets_text(self._drawing.targets())
+        self._send(file_message("targets.json", "application/json", data.encode()))
 
     def _open(self, message: Message) -> None:
         name = text(message, "name", most=120)
@@ -218,12 +221,9 @@ class SketchSession:
         self._change(drawing, fresh="given")
 
     def _export(self, message: Message) -> None:
-        text(message, "what", ("bvh",))
-        data = files.bvh_bytes(self._graph.skeleton, require_motion(self._solution))
-        self._file("walk.bvh", "text/plain", data)
-
-    def _file(self, name: str, mime: str, data: str | bytes) -> None:
-        raw = data.encode() if isinstance(data, str) else data
-        self._send(
-            {"type": "file", "name": name, "mime": mime, "data": np.frombuffer(raw, np.uint8)}
-        )
+        form = text(message, "format", FORMATS)
+        motion, skeleton = require_motion(self._solution), self._graph.skeleton
+        if form == "html":
+            self._send(html_file("walk", show_of(self._solution, skeleton)))
+        else:
+            self._send(motion_file("walk", form, skeleton, motion))

@@ -126,8 +126,6 @@ def figures(solution: Solution) -> list[tuple[str, str]]:
             ("largest distance", _cm(route.largest_distance)),
         ]
     rows.append(("foot slide", f"{1000 * route.slide:.2f} mm a frame"))
-    names = list(solution.drawing.names().values())[len(solution.drawing.obstacles) :]
-    rows += [(name, target_words(solution, i)) for i, name in enumerate(names)]
     if solution.reached is not None:
         rows.append(("fastest joint", f"{solution.reached.fastest_deg_s:.0f}°/s"))
     proven = f", {route.proven} of {route.windows} horizons proven" if route.windows else ""

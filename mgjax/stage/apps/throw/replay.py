@@ -17,6 +17,7 @@ from mgjax.stage.apps.throw.words import energy_of_words, kind_of, outcome
 from mgjax.stage.show.body import body_of
 from mgjax.stage.show.frames import frames_of
 from mgjax.stage.show.types import Actor, Ball, Show, Span
+from mgjax.stage.show.words import length_words
 
 RATE = 30.0
 BEFORE_S, AFTER_S = 0.4, 0.6
@@ -95,9 +96,9 @@ def candidates_of(lane: Lane, asked: Asked) -> list[Explained]:
 def reason(row: Explained) -> str:
     """Why a candidate could be played, or could not."""
     if row.outcome == "clear":
-        return f"clear by {100 * (row.clearance_m or 0):.0f} cm, {energy_of_words(row.energy)}"
+        return f"clear by {length_words(row.clearance_m or 0)}, {energy_of_words(row.energy)}"
     if row.outcome == "hit":
-        return f"hit, {-100 * (row.clearance_m or 0):.0f} cm deep"
+        return f"hit, {length_words(-(row.clearance_m or 0))} deep"
     if row.outcome == "not adjustable":
         return "no edge may change its speed as needed"
     return {"time scale": "time scale out of range", "unchecked": "not checked"}[row.outcome]

@@ -112,7 +112,7 @@ class ThrowSession:
         handlers[kind](message)
 
     def tick(self) -> None:
-        if self._aside:
+        if self._aside or not self._lanes:
             return
         now = self._clock.now()
         for lane in self._lanes:

@@ -10,6 +10,7 @@ from mgjax.avoidance.energy.score import Energy
 from mgjax.avoidance.play.answers import Answer, Found
 from mgjax.graph.types import MotionGraph
 from mgjax.stage.apps.throw.contact import Contact
+from mgjax.stage.show.words import DROPPED, length_words
 
 
 def kind_of(graph: MotionGraph, part: int) -> str:
@@ -26,8 +27,8 @@ def expected(graph: MotionGraph, found: Found) -> str:
     kind = kind_of(graph, choice.part)
     if path.status == "hit":
         return f"will be hit: of {choice.candidates} candidates none stays clear ({took})"
-    gap = 100 * (choice.clearance_m or 0.0)
-    return f"will {kind}, {gap:.0f} cm clear: best of {choice.candidates} ({took})"
+    gap = length_words(choice.clearance_m or 0.0)
+    return f"will {kind}, {gap} clear: best of {choice.candidates} ({took})"
 
 
 def outcome(
@@ -35,21 +36,20 @@ def outcome(
 ) -> tuple[str, str]:
     """The sentence on what was played, and its tone."""
     took = "" if found is None else f", {1000 * found.path.seconds:.1f} ms"
-    gap = 100 * answer.clearance_m
+    gap = answer.clearance_m
     choice = None if found is None else found.path.choice
     kind = "" if choice is None or choice.part is None else kind_of(graph, choice.part)
     if answer.hit:
         where = "" if contact is None else f" on the {contact.part}"
-        return f"hit{where}, {-gap:.0f} cm deep: {_why_hit(answer, kind)}{took}", "bad"
+        return f"hit{where}, {length_words(-gap)} deep: {_why_hit(answer, kind)}{took}", "bad"
     if answer.status == "superseded":
-        return f"the next ball came first; this one passed {_far(gap)}", "plain"
+        return f"the next ball came first; this one passed {length_words(gap)}", "plain"
     if answer.search == "avoided":
-        return f"avoided by {kind}, {_far(gap)} clear{took}", "good"
-    return f"passed {_far(gap)} off without an avoidance: {_why_hit(answer, kind)}{took}", "plain"
-
-
-def _far(centimetres: float) -> str:
-    return "more than 2 m" if centimetres > 200 else f"{centimetres:.0f} cm"
+        return f"avoided by {kind}, {length_words(gap)} clear{took}", "good"
+    return (
+        f"passed {length_words(gap)} off without an avoidance: {_why_hit(answer, kind)}{took}",
+        "plain",
+    )
 
 
 def _why_hit(answer: Answer, kind: str) -> str:
@@ -64,15 +64,6 @@ def _why_hit(answer: Answer, kind: str) -> str:
     return f"{kind} was planned for one ball, another came"
 
 
-_DROPPED = {
-    "culled": "dropped by slices",
-    "not_adjustable": "no edge may change its speed",
-    "time_scale": "time scale out of range",
-    "hit": "touched by the ball",
-    "overflow": "not judged",
-}
-
-
 def figures(config: AvoidanceConfig, found: Found) -> dict[str, Any]:
     """Rows and bars for the panel: candidates, why they were dropped, energies, times."""
     choice = found.path.choice
@@ -80,14 +71,14 @@ def figures(config: AvoidanceConfig, found: Found) -> dict[str, Any]:
     if choice is None:
         return {"rows": rows, "bars": []}
     rows.append(["candidates", str(choice.candidates)])
-    for name, words in _DROPPED.items():
+    for name, words in DROPPED.items():
         count = getattr(choice.dropped, name)
         if count:
             rows.append([words, str(count)])
     if choice.time_scale is not None:
         rows.append(["time scale", f"{choice.time_scale:.2f}"])
     if choice.clearance_m is not None:
-        rows.append(["clearance expected", f"{100 * choice.clearance_m:.0f} cm"])
+        rows.append(["clearance expected", length_words(choice.clearance_m)])
     rows.append(["path", f"{choice.path_length} edges"])
     return {"rows": rows, "bars": energy_bars(config, choice)}
 

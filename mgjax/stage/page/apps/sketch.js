@@ -1,5 +1,6 @@
 /** Sketch: a path drawn on the floor is walked, and hands and head reach on the way. */
 
+import { savePanel } from '../save.js';
 import { createChosen } from './sketch/chosen.js';
 import { createFiles } from './sketch/files.js';
 import { createPen } from './sketch/pen.js';
@@ -48,14 +49,10 @@ export function start({ stage, player, ui, side, link, options }) {
   const edit = ui.row(tools.body);
   const undo = ui.button(edit, { label: 'Undo', title: 'Ctrl+Z', onClick: () => link.send({ type: 'undo' }) });
   const clear = ui.button(edit, { label: 'Clear', onClick: () => link.send({ type: 'clear' }) });
-  const files = createFiles({ ui, side, link, stage });
-  enable(false, false);
-  clear.disabled = true;
-
-  function enable(walked, undone) {
-    undo.disabled = !undone;
-    files.enable(walked);
-  }
+  const files = createFiles({ ui, side, link });
+  savePanel({ stage, player, ui, side, link, formats: options.formats });
+  for (const each of [undo, clear]) each.disabled = true;
+  files.enable(false, false);
 
   const pen = createPen(stage, (points) => {
     said.set('Looking for a walk …', 'busy');
@@ -89,7 +86,8 @@ export function start({ stage, player, ui, side, link, options }) {
     closed.value = note.closed;
     method.value = note.method;
     clear.disabled = !note.items.length && !note.lines.length;
-    enable(note.seconds > 0, note.undo > 0);
+    undo.disabled = note.undo === 0;
+    files.enable(note.lines.length > 0, note.items.some(({ kind }) => kind !== 'obstacle'));
     if (goesOn) requestAnimationFrame(() => link.send({ type: 'refine', version: note.version, latest: true }));
   });
   link.on('sentence', ({ text, tone }) => {

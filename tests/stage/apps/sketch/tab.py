@@ -31,8 +31,8 @@ class Tab:
             self.send("refine", version=self.note["version"])
         return self.note
 
-    def file(self, kind: str, what: str) -> str:
+    def file(self, type_: str, **fields: str) -> str:
         """The text of a file that is asked for."""
-        message = self.send(kind, what=what)
+        message = self.send(type_, **fields)
         assert message["type"] == "file"
         return message["data"].tobytes().decode()

@@ -177,8 +177,8 @@ def test_saved_files_give_the_command_the_same_walk(
     tab.send("add", kind="right_hand", place=[0.2, 0, 2.2])
     tab.send("add", kind="bar", place=[-0.5, 0, 4.2])
     note = tab.refined()
-    (tmp_path / "path.json").write_text(tab.file("save", "path"))
-    (tmp_path / "targets.json").write_text(tab.file("save", "targets"))
+    (tmp_path / "path.json").write_text(tab.file("save", what="path"))
+    (tmp_path / "targets.json").write_text(tab.file("save", what="targets"))
     save_graph(tmp_path / "graph", solver.graph)
     command.run(
         Walk(
@@ -192,7 +192,7 @@ def test_saved_files_give_the_command_the_same_walk(
     figures = dict(note["figures"])
     assert figures["mean distance"] == f"{100 * result['mean_distance_m']:.1f} cm"
     assert [row["status"] for row in result["targets"]] == ["reached", "cleared"]
-    (tmp_path / "walk.bvh").write_text(tab.file("export", "bvh"))
+    (tmp_path / "walk.bvh").write_text(tab.file("export", format="bvh"))
     names = ("walk.bvh", "out/motion.bvh")
     ours, theirs = (load_motion(tmp_path / name)[1] for name in names)
     np.testing.assert_allclose(ours.root_translation, theirs.root_translation, atol=1e-6)
@@ -202,14 +202,14 @@ def test_saved_files_give_the_command_the_same_walk(
 def test_saved_files_are_opened_again(tab: Tab, solver: Solver) -> None:
     tab.send("ready_made", name="reaches")
     note = tab.refined()
-    path, targets = tab.file("save", "path"), tab.file("save", "targets")
+    path, targets = tab.file("save", what="path"), tab.file("save", what="targets")
     other = Tab(solver)
     other.send("open", name="path.json", text=path)
     other.send("open", name="targets.json", text=targets)
     again = other.refined()
     assert again["words"] == note["words"]
-    assert other.file("save", "path") == path
-    assert other.file("save", "targets") == targets
+    assert other.file("save", what="path") == path
+    assert other.file("save", what="targets") == targets
 
 
 @pytest.mark.parametrize(
@@ -241,7 +241,7 @@ def test_saved_files_are_opened_again(tab: Tab, solver: Solver) -> None:
         {"type": "smooth", "on": 1},
         {"type": "method", "name": "magic"},
         {"type": "save", "what": "/etc/passwd"},
-        {"type": "export", "what": "exe"},
+        {"type": "export", "format": "exe"},
         {"type": "refine", "version": -1},
         {"type": "fly"},
     ],
@@ -250,11 +250,11 @@ def test_what_is_wrong_gets_a_sentence_and_changes_nothing(
     tab: Tab, message: dict[str, Any]
 ) -> None:
     tab.send("ready_made", name="reaches")
-    told, before = len(tab.told), tab.file("save", "targets")
+    told, before = len(tab.told), tab.file("save", what="targets")
     with pytest.raises(MgjaxError, match=", expected "):
         tab.session.receive(message)
     assert len(tab.told) == told + 1
-    assert tab.file("save", "targets") == before
+    assert tab.file("save", what="targets") == before
     assert tab.send("undo")["items"] == []
 
 
@@ -270,3 +270,12 @@ def test_toggles_read_the_stroke_again(tab: Tab) -> None:
     assert len(closed["lines"][0]["points"]) > curved
     assert tab.send("method", name="beam")["method"] == "beam"
     assert tab.send("clear")["lines"] == []
+
+
+def test_it_is_saved_as_a_page_that_plays_elsewhere(tab: Tab) -> None:
+    with pytest.raises(MgjaxError, match="no walk yet"):
+        tab.send("export", format="html")
+    tab.send("ready_made", name="reaches")
+    page = tab.file("export", format="html")
+    assert page.startswith("<!doctype html>")
+    assert tab.told[-1]["name"] == "walk.html"

@@ -1,0 +1,1 @@
+"""Pictures of the stage for README.md, made anew by ``make pictures``."""
