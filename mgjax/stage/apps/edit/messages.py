@@ -95,5 +95,4 @@ def throw_show(graph: MotionGraph, attack: Attack, selection: Selection, what: s
     """A ball of the coverage map and the answer to it; ``what`` says which ball it is."""
     show = selection_show(graph, attack, selection, title="A ball of the coverage map")
     words = f"{show.words[:1].upper()}{show.words[1:]}: {what}."
-    passes = [moment for moment in show.moments if moment[0] == "ball passes"]
-    return replace(show, words=words, moments=passes)  # the span says when the avoidance begins
+    return replace(show, words=words, moments=())  # there is little room, and spans say as much
