@@ -51,7 +51,6 @@ def main() -> None:
     show = dodged(graph)
     save_moving(MOVING, show, seconds=show.seconds)
     sketch = make_sketch([[0, 0], [0, 3], [2, 5], [5, 5]], spline=True, obstacles=[[1.0, 5.5, 0.3]])
-    save_page(HERE / "page_throw.png", show, show.balls[0].times[-1] - 0.15)
     save_page(HERE / "page_path.png", show_of(follow(graph, sketch)), 6.0)
     if arguments.applications is not None:
         photograph(arguments.applications)

@@ -11,12 +11,10 @@ import numpy as np
 import pytest
 
 from mgjax.ballsport.clipset.repertoire import Repertoire
-from mgjax.ballsport.scene.build import prepare_scene
 from mgjax.core.errors import ConfigError, MgjaxError
 from mgjax.sensor.frames import SensorFrame
 from mgjax.stage.apps.match.app import MatchApp, clips_of_user
 from mgjax.stage.apps.match.export import match_show
-from mgjax.stage.apps.match.pitch import pitch
 from mgjax.stage.apps.match.session import MatchSession
 from mgjax.stage.apps.match.source import ClipSource, SensorSource
 from mgjax.stage.packet import pack, unpack
@@ -52,11 +50,6 @@ class PageOfMatch:
     @property
     def passes(self) -> list[tuple[str, str]]:
         return [(p["by"], p["to"]) for p in self.last("played")["passes"]]
-
-
-@pytest.fixture(scope="module")
-def moves() -> Repertoire:
-    return prepare_scene(pitch(3, net=True))
 
 
 @pytest.fixture
