@@ -19,6 +19,7 @@ from typing import Any
 
 from mgjax.core.errors import MgjaxError
 from mgjax.stage.packet import pack
+from mgjax.stage.serve.collector import freeze
 from mgjax.stage.serve.film import Film
 from mgjax.stage.serve.options import from_text
 from mgjax.stage.serve.session import App, Message, Session
@@ -48,6 +49,7 @@ class Worker:
         self._app.prepare(
             lambda share, text: self.state({"type": "progress", "share": share, "text": text})
         )
+        freeze()
         self.state({"type": "progress", "share": 1.0, "text": "ready"})
         try:
             while self._turn():

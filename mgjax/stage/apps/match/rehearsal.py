@@ -12,6 +12,7 @@ from mgjax.ballsport.scene.config import SceneConfig
 from mgjax.stage.apps.match.game import Game
 from mgjax.stage.apps.match.pitch import COUNTS, pitch
 from mgjax.stage.apps.match.wishes import ANY, BOUNCES, Wishes
+from mgjax.stage.serve.collector import waiting_collector
 
 _PLAYED_S = 6.0
 """So long a pitch is played with each number of bounces."""
@@ -57,8 +58,9 @@ class Rehearsal:
 
     def _others(self) -> None:
         pitches = [pitch(count, net=net) for net in (True, False) for count in COUNTS]
-        for config, bounces in product(pitches, _ORDER):
-            self._play(config, bounces)
+        with waiting_collector():
+            for config, bounces in product(pitches, _ORDER):
+                self._play(config, bounces)
 
     def _play(self, config: SceneConfig, bounces: str) -> None:
         key = len(config.players), config.net is not None, bounces

@@ -17,6 +17,7 @@ from mgjax.graph.files import load_graph
 from mgjax.graph.types import MotionGraph
 from mgjax.stage.apps.throw.session import ThrowSession
 from mgjax.stage.apps.throw.warm import warm_session
+from mgjax.stage.serve.collector import waiting_collector
 from mgjax.stage.serve.options import Options
 from mgjax.stage.serve.session import Progress, Send
 from mgjax.stage.show.body import body_of
@@ -58,10 +59,11 @@ class ThrowApp:
         warm_session(prepared)
 
         def later() -> None:
-            for call in calls[soon:]:
-                if self._stop.is_set():
-                    return
-                call()
+            with waiting_collector():
+                for call in calls[soon:]:
+                    if self._stop.is_set():
+                        return
+                    call()
 
         threading.Thread(target=later, daemon=True, name="mgjax-compile").start()
 
