@@ -23,7 +23,7 @@ from mgjax.stage.serve.session import Send
 from mgjax.stage.show.frames import frames_of
 from mgjax.stage.show.types import Ball, Colour, show_value
 
-AHEAD_S = 0.15
+AHEAD_S = 0.2
 """So much earlier than it is shown a motion is decided on, so that none is ever missing."""
 BUFFER_S = 0.6
 """At most so much is sent ahead: what is decided beyond may be long."""
