@@ -18,20 +18,12 @@ from typing import Any
 import pytest
 
 import mgjax.stage
+from mgjax.stage.film import ARGUMENTS
 from mgjax.stage.packet import pack
 from mgjax.stage.show.types import show_value
 
 PAGE = Path(mgjax.stage.__file__).parent / "page"
 CHROMIUM = "/usr/bin/chromium"
-ARGUMENTS = (
-    "--no-sandbox",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-)
 SIZE = {"width": 640, "height": 400}
 
 
