@@ -17,7 +17,7 @@ from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_mo
 from mgjax.avoidance.choice.continuation import continue_clear
 from mgjax.avoidance.choice.search import HOPELESS_M
 from mgjax.avoidance.choice.selection import Selection, select
-from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
+from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig, for_body
 from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import CLEAR_M, FAR
@@ -54,9 +54,10 @@ def judged(
     graph: MotionGraph, node: int, attack: Attack, config: AvoidanceConfig
 ) -> tuple[Candidates, dict[str, np.ndarray]]:
     """All candidates and their energies, as the selection sees them."""
+    prepared = prepared_for(graph, config)
+    config = for_body(config, graph.body_scale)
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     assert crop is not None
-    prepared = prepared_for(graph, config)
     found = enumerate_candidates(
         graph,
         prepared.tables,
