@@ -130,6 +130,8 @@ export function createPlayer(stage, parent, { live = false } = {}) {
     },
     get time() { return state.time; },
     get seconds() { return state.seconds; },
+    /** Second at which the bar begins. */
+    get begin() { return state.begin; },
     get playing() { return state.playing; },
     get speed() { return state.speed; },
     /** Seconds of the show in one of the clock, 0.1 … 4. */

@@ -7,7 +7,7 @@ const RATE = 30;
  * @param {string[]} formats what the application writes, such as 'html' and 'bvh'
  */
 export function savePanel({ stage, player, ui, side, link, formats }) {
-  const panel = ui.panel(side, 'Save', { open: false });
+  const panel = ui.panel(side, 'Export', { open: false });
   const row = ui.row(panel);
   const said = ui.sentence(panel, 'saving');
   said.set('');
@@ -43,18 +43,18 @@ export function savePanel({ stage, player, ui, side, link, formats }) {
   /** Draws every frame and sends it; the next one when the one before has arrived. */
   function saveFilm() {
     if (state.filming) return;
-    if (player.live || !(player.seconds > 0)) {
+    if (player.live || !(player.seconds > player.begin)) {
       said.set('A film is made of what the bar under the picture plays: replay something first.');
       return;
     }
     player.pause();
-    Object.assign(state, { filming: true, frames: Math.floor(player.seconds * RATE) + 1 });
+    Object.assign(state, { filming: true, frames: Math.floor((player.seconds - player.begin) * RATE) + 1, begin: player.begin });
     film.disabled = true;
     sendFrame(0);
   }
 
   async function sendFrame(frame) {
-    const data = await asJpeg(stage.snapshot(frame / RATE));
+    const data = await asJpeg(stage.snapshot(state.begin + frame / RATE));
     said.set(`Frame ${frame + 1} of ${state.frames}.`, 'busy');
     link.send({ type: 'film', frame, frames: state.frames, rate: RATE, data });
   }

@@ -148,7 +148,7 @@ def test_what_is_saved_is_what_the_command_reads_and_what_is_opened(
     targets = downloaded(page, "save-targets", tmp_path)
     assert load_sketch(path).spline
     assert [target.limb for target in load_targets(targets)] == ["right_hand", "head"]
-    page.locator("[data-name=save] summary").click()
+    page.locator("[data-name=export] summary").click()
     page.locator("[data-name=motion-format]").select_option("bvh")
     skeleton, motion = load_motion(downloaded(page, "motion", tmp_path))
     assert motion.num_frames == round(note["seconds"] * motion.frame_rate) + 1

@@ -157,7 +157,7 @@ def test_the_page_keeps_to_its_policy(chromium: Any, address: str):
 
 def test_what_is_seen_is_saved(page: Any, tmp_path: Path):
     throw(page)
-    page.locator("[data-name=save] summary").click()
+    page.locator("[data-name=export] summary").click()
     with page.expect_download(timeout=WAIT) as got:
         page.click("[data-name=picture]")
     got.value.save_as(tmp_path / "picture.png")
@@ -166,7 +166,7 @@ def test_what_is_seen_is_saved(page: Any, tmp_path: Path):
     page.click("[data-name=film]")
     assert "replay something first" in page.text_content("[data-name=saving]")
     with page.expect_download(timeout=WAIT) as got:
-        page.locator("[data-name=save] button[data-name=motion]").click()
+        page.locator("[data-name=export] button[data-name=motion]").click()
     got.value.save_as(tmp_path / "motion.bvh")
     skeleton, motion = load_motion(tmp_path / "motion.bvh")
     assert motion.num_frames > 10

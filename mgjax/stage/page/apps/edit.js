@@ -1,6 +1,7 @@
 /** Edit: clips, the labels on them, the graph made of them, and the balls that it avoids. */
 
 import { element } from '../dom.js';
+import { savePanel } from '../save.js';
 import { createClips } from './edit/clips_panel.js';
 import { createCoverage } from './edit/coverage_panel.js';
 import { createDock } from './edit/dock.js';
@@ -23,6 +24,7 @@ export function start({ stage, player, ui, side, link }) {
   const labels = createLabels({ ...shared, dock: dock.part('Labels') });
   const graph = createGraph({ ...shared, dock: dock.part('Graph'), onClip: pick });
   const coverage = createCoverage({ ...shared, dock: dock.part('Coverage') });
+  savePanel({ stage, player, ui, side, link, formats: [] });
   const tabs = { Labels: labels, Graph: graph, Coverage: coverage };
   // Beside graph and coverage the list of clips is folded, unless the person wants it.
   const unfolded = { Labels: true, Graph: false, Coverage: false };

@@ -1,5 +1,6 @@
 /** Match: players pass a ball; a click says who gets it, buttons how, a body's kick as well. */
 
+import { savePanel } from '../save.js';
 import { createSide } from './match/side.js';
 import { createMarks } from './match/marks.js';
 
@@ -18,6 +19,7 @@ export function start({ stage, player, ui, side, link }) {
     pick: (name) => link.send({ type: 'pick', player: name }),
     send: (message) => link.send(message),
   });
+  savePanel({ stage, player, ui, side, link, formats: [] });
   player.live = false;
   player.loop = false;
 
