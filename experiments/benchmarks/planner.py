@@ -95,7 +95,7 @@ def soak(
     assert counts["open"] == 0
     assert answered == counts["attacks"]
     assert sorted(a.number for a in planner.answers) == list(range(counts["attacks"]))
-    searched: dict[str, int] = dict.fromkeys((*Status, "late"), 0)
+    searched: dict[str, int] = dict.fromkeys((*Status, "late", "committed"), 0)
     kept = 0
     for answer in planner.answers:
         searched[answer.search] += 1

@@ -87,6 +87,7 @@ def save_film(
     except ImportError:
         got, expected = "no imageio-ffmpeg, which writes films", "pip install 'mgjax[video]'"
         raise ConfigError(got=got, expected=expected) from None
+    find_browser()  # before anything is started or made
     count = int(np.floor(show.seconds * rate + 1e-6)) + 1
     path = Path(path)
     try:

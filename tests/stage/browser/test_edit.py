@@ -123,8 +123,17 @@ def drag(page: Any, x: float, y: float, by: float) -> None:
 
 
 def middle(page: Any, selector: str) -> tuple[float, float]:
-    box = page.locator(selector).bounding_box()
-    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    """Of an element, in one look: the timeline is drawn anew while labels come in."""
+    page.wait_for_selector(selector)
+    return tuple(
+        page.evaluate(
+            """(selector) => {
+              const box = document.querySelector(selector).getBoundingClientRect();
+              return [box.x + box.width / 2, box.y + box.height / 2];
+            }""",
+            selector,
+        )
+    )
 
 
 def pixels(page: Any, seconds: float) -> float:

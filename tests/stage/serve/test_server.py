@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.client
 import json
 import os
@@ -151,17 +152,13 @@ def test_long_messages_end_the_connection_and_nothing_else(viewed: Viewed):
 
 
 def test_more_pages_than_there_may_be(viewed: Viewed):
-    links = [viewed.link() for _ in range(16)]
-    try:
-        for link in links:
-            messages_until(link, "ready")
+    with contextlib.ExitStack() as open_pages:
+        for _ in range(16):
+            messages_until(open_pages.enter_context(viewed.link()), "ready")
         with viewed.link() as one_more, pytest.raises(ConnectionClosedError) as caught:
             one_more.recv(timeout=PATIENCE_S)
         assert caught.value.rcvd is not None
         assert "16 pages" in caught.value.rcvd.reason
-    finally:
-        for link in links:
-            link.close()
 
 
 def failed(*arguments: object) -> tuple[int, str]:
