@@ -59,7 +59,7 @@ browser:
 	$(SUDO) apt-get install -qq -y --no-install-recommends chromium fonts-dejavu-core >/dev/null; }
 
 pictures: $(DEV)
-	$(BIN)/python -m experiments.pictures.make
+	$(BIN)/python -m experiments.pictures.make --applications out/pictures
 
 test-long: $(DEV)
 	$(BIN)/python -m pytest -m long

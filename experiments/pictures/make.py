@@ -54,6 +54,11 @@ def main() -> None:
     save_page(HERE / "page_path.png", show_of(follow(graph, sketch)), 6.0)
     if arguments.applications is not None:
         photograph(arguments.applications)
+        for app in ("throw", "sketch", "match", "edit"):
+            small = Image.open(arguments.applications / f"{app}_wide.png").convert("RGB")
+            data = io.BytesIO()
+            small.quantize(128).save(data, "png", optimize=True)
+            replace_file(HERE / f"page_{app}.png", data.getvalue())
 
 
 def dodged(graph: MotionGraph) -> Show:

@@ -99,6 +99,22 @@ def tab(open_tab: Callable[[], Any]) -> Any:
     return open_tab()
 
 
+AT_REST = """async (selector) => {
+  const look = () => {
+    const box = document.querySelector(selector)?.getBoundingClientRect();
+    return box ? [box.x + box.width / 2, box.y + box.height / 2] : [-1, -1];
+  };
+  let [before, same] = [look(), 0];
+  while (same < 3) {
+    await new Promise((done) => setTimeout(done, 150));
+    const now = look();
+    same = now[0] > 0 && now.every((each, k) => each === before[k]) ? same + 1 : 0;
+    before = now;
+  }
+  return before;
+}"""
+
+
 def said(page: Any, words: str) -> None:
     """Waits until the page says so."""
     page.wait_for_function(
@@ -123,17 +139,9 @@ def drag(page: Any, x: float, y: float, by: float) -> None:
 
 
 def middle(page: Any, selector: str) -> tuple[float, float]:
-    """Of an element, in one look: the timeline is drawn anew while labels come in."""
+    """Of an element that has come to rest: the timeline is drawn anew while clips are read."""
     page.wait_for_selector(selector)
-    return tuple(
-        page.evaluate(
-            """(selector) => {
-              const box = document.querySelector(selector).getBoundingClientRect();
-              return [box.x + box.width / 2, box.y + box.height / 2];
-            }""",
-            selector,
-        )
-    )
+    return tuple(page.evaluate(AT_REST, selector))
 
 
 def pixels(page: Any, seconds: float) -> float:

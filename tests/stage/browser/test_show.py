@@ -51,7 +51,7 @@ def test_a_film_and_a_page_are_saved(page: Any, open_page: Callable[..., Any], t
         page.click("[data-name=page]")
     got.value.save_as(tmp_path / "page.html")
     offline = open_page((tmp_path / "page.html").as_uri())
-    offline.wait_for_function("window.mgjax && mgjax.player.seconds > 0.4", timeout=WAIT)
+    offline.wait_for_function("window.mgjax?.player?.seconds > 0.4", timeout=WAIT)
 
 
 def test_other_messages_are_refused_in_words(page: Any):

@@ -70,7 +70,7 @@ export function start({ stage, player, ui, side, link, options }) {
     player.speed = 0.25;
     player.play();
     stage.canvas.focus({ preventScroll: true }); // the keys are the player's now
-    said.set(show.words, 'plain');
+    said.set(capital(show.words), 'plain');
     outcome.show(show);
   });
   link.on('sentence', ({ text, tone }) => said.set(text, tone));
