@@ -62,7 +62,7 @@ pictures: $(DEV)
 	$(BIN)/python -m experiments.pictures.make --applications out/pictures
 
 test-long: $(DEV)
-	$(BIN)/python -m pytest -m long
+	$(BIN)/python -m pytest -m long --numprocesses 2 --dist worksteal
 
 lint: $(DEV)
 	$(BIN)/ruff check .

@@ -69,4 +69,4 @@ def test_the_demo_runs_from_the_wheel(built: Path, tmp_path: Path) -> None:
     out = call(folder / "mgjax", "demo", "--json", "--out", "demo", cwd=tmp_path, MGJAX_CACHE=cache)
     assert json.loads(out)["avoided"] >= 1
     files = {path.name for path in (tmp_path / "demo").iterdir()}
-    assert files == {"motion.bvh", "result.json", "scene.png"}
+    assert files == {"index.html", "motion.bvh", "result.json", "scene.png"}
