@@ -51,6 +51,8 @@ class Config:
     """Thresholds beside the automatic one for the table of shares, m."""
     contacts: tuple[float, ...] = (0.0, 0.5, 0.7, 0.9)
     """Shares of frames in which the same feet must stand in both windows, for that table."""
+    most: int = 1500
+    """Seams that are measured for one row of that table, drawn at random."""
     strips: int = 10
     """Seams that are drawn: those that skate most under the paper's blend."""
 
@@ -62,6 +64,7 @@ class Config:
             "clean_feet": (False,),
             "thresholds_m": (),
             "contacts": (0.7,),
+            "most": 200,
             "strips": 2,
         }
 
@@ -76,20 +79,22 @@ def run(config: Config) -> Results:
 
     rows: list[dict[str, Any]] = []
     capture: Capture | None = None
+    uncut: dict[str, np.ndarray] | None = None
     kept: dict[str, tuple[MotionGraph, dict[str, np.ndarray]]] = {}
-    for clean in config.clean_feet:
+    for clean in reversed(config.clean_feet):
         for name in config.blends:
             graph = built(blend=name, clean_feet=clean)
             capture = capture or capture_of(graph)
-            row, values = _row(graph, capture)
+            row, values, uncut = _row(graph, capture, uncut)
             rows.append({"name": f"{name}, feet cleaned" if clean else name} | row)
-            kept[name] = graph, values
+            kept.setdefault(name, (graph, values))
     table = []
     for threshold in (base.threshold_m, *config.thresholds_m):
         for contacts in config.contacts:
-            for name in ("paper", "support") if contacts == config.contacts[0] else ("support",):
+            uncut = None
+            for name in ("support", "paper") if contacts == config.contacts[0] else ("support",):
                 graph = built(threshold_m=threshold, contacts=contacts, blend=name)
-                row, _ = _row(graph, capture or capture_of(graph))
+                row, _, uncut = _row(graph, capture or capture_of(graph), uncut, config.most)
                 table.append({"name": name, "contacts": contacts} | row)
     strips = _worst(*(kept[name] for name in ("paper", "support")), config.strips)
     skeleton = kept["paper"][0].skeleton
@@ -104,12 +109,22 @@ def run(config: Config) -> Results:
     )
 
 
-def _row(graph: MotionGraph, capture: Capture) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Figures of one graph, and each measure of its seams."""
+def _row(
+    graph: MotionGraph,
+    capture: Capture,
+    uncut: dict[str, np.ndarray] | None,
+    most: int | None = None,
+) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Figures of one graph, each measure of its seams (at most so many), and of uncut motion there.
+
+    ``uncut``: known already, of a graph with the same transitions.
+    """
     around = round(WINDOW_S * graph.frame_rate) + 2
     edges = seam_edges(graph, around)
+    if most is not None and len(edges) > most:
+        edges = np.sort(np.random.default_rng(0).permutation(edges)[:most])
     seams = measured(graph, seam_tracks(graph, edges, around), capture)
-    uncut = measured(graph, uncut_tracks(graph, edges, around), capture)
+    uncut = uncut or measured(graph, uncut_tracks(graph, edges, around), capture)
     # A seam may be as jerky as the capture is here: no more of its windows above the quantile
     # than 0.5 %, or than the two clips have.
     own = uncut["jerky"].reshape(2, -1).max(axis=0)
@@ -138,7 +153,7 @@ def _row(graph: MotionGraph, capture: Capture) -> tuple[dict[str, Any], dict[str
         row[f"{key}_p50_p95"] = np.percentile(seams[key], [50, 95])
         row[f"{key}_uncut_p50_p95"] = np.percentile(uncut[key], [50, 95])
     row["best_auc"] = max(row["auc"].values())
-    return row, seams | {"edges": edges}
+    return row, seams | {"edges": edges}, uncut
 
 
 def _worst(
