@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float, Int
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.padding import bucket_size, pad_axis
-from mgjax.graph.blending.alignment import align, support_weights
+from mgjax.graph.blending.alignment import align, align_by_support
 from mgjax.graph.blending.forms import blend_form
 from mgjax.graph.blending.mixing import Window, mix
 from mgjax.graph.feet import FootChains, keep_plants
@@ -117,8 +117,11 @@ def _build_chunk(
         first, second = (Window(*(take(x, at) for x in axis)) for at in (row, column))
         standing = take(plants, row, window) & take(plants, column, window)
         legs = chains if support else None
-        counts = weights if legs is None else support_weights(weights, legs, standing)
-        transform = align(first[2][:-1], second[2][:-1], counts)
+        places = first.places[:-1], second.places[:-1]
+        if legs is None:
+            transform = align(*places, weights)
+        else:
+            transform = align_by_support(*places, weights, legs, standing)
         mixed_root, mixed = mix(
             skeleton, legs, first, second, standing, transform, decay, continuous=continuous
         )

@@ -12,7 +12,7 @@ from mgjax.core.arrays import Array
 from mgjax.graph.feet import FootChains
 
 SUPPORT = 16.0
-"""What a foot that stands in both windows counts in the alignment, by the whole body."""
+"""What a foot that stands in both windows counts for the place, by the whole body."""
 
 
 def align(
@@ -37,8 +37,29 @@ def align(
     return jnp.stack([turn, ca[0] - turned[0], ca[2] - turned[2]])
 
 
+def align_by_support(
+    positions_a: Float[Array, "W J 3"],
+    positions_b: Float[Array, "W J 3"],
+    weights: Float[Array, " J"],
+    chains: FootChains,
+    standing: Bool[Array, "W 2"],
+) -> Float[jax.Array, "3"]:
+    """:func:`align`, in which feet that stand in both windows count more for the place.
+
+    The heading stays that of the whole body, which a foot that points elsewhere would turn.
+    """
+    turn = align(positions_a, positions_b, weights)[0]
+    w = support_weights(weights, chains, standing)
+    w = w / jnp.sum(w)
+    ca, cb = (jnp.einsum("wj,wjc->c", w, p) for p in (positions_a, positions_b))
+    turned = planar.apply(jnp.stack([turn, 0 * turn, 0 * turn]), cb)
+    return jnp.stack([turn, ca[0] - turned[0], ca[2] - turned[2]])
+
+
 def support_weights(
-    weights: Float[Array, " J"], chains: FootChains, standing: Bool[Array, "W 2"]
+    weights: Float[Array, " J"],
+    chains: FootChains,
+    standing: Bool[Array, "W 2"],
 ) -> Float[Array, "W J"]:
     """Weights that add the ball and the ankle of each foot while it stands in both windows.
 

@@ -9,7 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mgjax.graph.blending.alignment import SUPPORT, align, same_support, support_weights
+from mgjax.graph.blending.alignment import (
+    SUPPORT,
+    align,
+    align_by_support,
+    same_support,
+    support_weights,
+)
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.distance import distance_matrix, normalised_weights
@@ -84,10 +90,11 @@ def test_a_foot_that_stands_in_both_comes_to_lie_on_itself():
     a, b = (places(march(10, seed=s, swing=w)) for s, w in ((1, 0.3), (2, 0.5)))
     ball = CHAINS.balls[0]
     standing = jnp.tile(jnp.array([True, False]), (10, 1))
-    weights = support_weights(jnp.asarray(WEIGHTS), CHAINS, standing)
+    windows = jnp.asarray(a), jnp.asarray(b), jnp.asarray(WEIGHTS)
+    plain, led = align(*windows), align_by_support(*windows, CHAINS, standing)
+    assert led[0] == plain[0]
     apart = []
-    for w in (jnp.asarray(WEIGHTS), weights):
-        turn = align(jnp.asarray(a), jnp.asarray(b), w)
+    for turn in (plain, led):
         back = np.array([kinematics.planar_apply(turn, p) for p in b[:, ball]])
         apart.append(np.linalg.norm((back - a[:, ball]).mean(axis=0)[[0, 2]]))
     assert apart[1] < 0.2 * apart[0]
@@ -121,7 +128,7 @@ def test_contacts_as_a_condition(made):
 def test_align_has_finite_gradients():
     a, b = (jnp.asarray(places(march(4, seed=s))) for s in (1, 2))
     standing = jnp.ones((4, 2), dtype=bool)
-    weights = support_weights(jnp.asarray(WEIGHTS), CHAINS, standing)
+    rest = jnp.asarray(WEIGHTS), CHAINS, standing
     for other in (a, b):
-        gradients = jax.grad(lambda p, o=other: align(p, o, weights).sum())(a)
+        gradients = jax.grad(lambda p, o=other: align_by_support(p, o, *rest).sum())(a)
         assert jnp.isfinite(gradients).all()
