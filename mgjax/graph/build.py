@@ -21,6 +21,7 @@ from mgjax.core.errors import ConfigError, GraphError, SkeletonError
 from mgjax.core.motion import Motion, validate_motion
 from mgjax.core.skeleton import Skeleton, validate_skeleton
 from mgjax.graph.assemble import assemble
+from mgjax.graph.blending.alignment import same_support
 from mgjax.graph.config import GraphConfig, validate_graph_config
 from mgjax.graph.distance import normalised_weights
 from mgjax.graph.feet import foot_chains
@@ -140,10 +141,10 @@ def build_graph(
             raise _nothing_left(beyond, threshold, largest, config)
     with clock.step("transitions"):
         chains = None
-        if config.clean_feet:
-            try:
-                chains = foot_chains(timeline.skeleton)
-            except SkeletonError as error:
+        try:
+            chains = foot_chains(timeline.skeleton)
+        except SkeletonError as error:
+            if config.clean_feet:
                 notes.append(f"feet not cleaned: {error}")
         kept = np.flatnonzero(component.kept)
         blended = build_transitions(
@@ -157,11 +158,14 @@ def build_graph(
             columns[kept],
             weights,
             window,
+            form=config.blend,
+            clean=config.clean_feet,
         )
     report: dict[str, Any] = {
         "clips": len(timeline.clips),
         "seconds_of_clips": float((timeline.stops - timeline.starts).sum() / config.frame_rate),
         "threshold_m": float(threshold),
+        "blend": config.blend,
         "minima": len(minima.rows),
         "candidates": len(candidates.leave),
         "labels_total": sum(len(items) for items in by_clip.values()) * (2 if config.mirror else 1),
@@ -238,6 +242,8 @@ def _candidates(
     total = np.cumsum(marked)
     free = [total[np.minimum(x + window, len(timeline.root))] == total[x] for x in (rows, columns)]
     ok = ~near & before & after & free[0] & free[1]
+    if config.contacts > 0:
+        ok &= same_support(timeline.plants, rows, columns, window) >= config.contacts
     candidates = Candidates(
         leave=rows[ok],
         arrive=columns[ok] + window,

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from mgjax.core.errors import ConfigError
 from mgjax.core.ranges import Ranges, check_ranges
 
+BLENDS = ("support", "paper", "smooth", "inertial", "smooth+support", "inertial+support")
+"""How windows are blended; see :mod:`mgjax.graph.blending.forms`."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class GraphConfig:
@@ -33,6 +36,12 @@ class GraphConfig:
         mirror: adds a left-right mirrored copy of every clip.
         retarget: puts clips of other skeletons on the graph's.
         clean_feet: keeps planted feet in place within transitions.
+        blend: ``"support"``, a crossfade of windows aligned by the feet that stand in both, which
+            also lead the root; ``"paper"``, the plain crossfade (eqs 2–5); ``"smooth"``, one whose
+            acceleration does not jump either; ``"inertial"``, the second window plus an offset that
+            decays from where, and how fast, the first one is; and the last two with support.
+        contacts: smallest share of a transition's frames in which the same feet stand in both
+            windows; 0: any.
         horizon_s: a label is enterable if a walk from some node reaches its middle within this, s.
     """
 
@@ -48,6 +57,8 @@ class GraphConfig:
     mirror: bool = False
     retarget: bool = False
     clean_feet: bool = True
+    blend: str = "support"
+    contacts: float = 0.0
     horizon_s: float = 2.0
 
 
@@ -60,6 +71,7 @@ _RANGES: Ranges = {
     "normalised": (1e-9, 1.0),
     "keep": (0.0, 1.0),
     "max_threshold_m": (1e-9, 10.0),
+    "contacts": (0.0, 1.0),
     "horizon_s": (1e-6, math.inf),
 }
 """Smallest and largest value of each setting that is a number."""
@@ -70,3 +82,5 @@ def validate_graph_config(config: GraphConfig) -> None:
     check_ranges(config, _RANGES, optional=("threshold_m", "normalised"))
     if config.threshold_m is not None and config.normalised is not None:
         raise ConfigError(got="both threshold_m and normalised", expected="at most one")
+    if config.blend not in BLENDS:
+        raise ConfigError(got=f"blend = {config.blend!r}", expected=" or ".join(BLENDS))

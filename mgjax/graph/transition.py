@@ -9,12 +9,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.core import planar, quaternion
-from mgjax.core.arrays import Array
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
-from mgjax.core.timing.easing import smoothstep
 from mgjax.core.xla.padding import bucket_size, pad_axis
+from mgjax.graph.blending.alignment import align, align_by_support
+from mgjax.graph.blending.forms import blend_form
+from mgjax.graph.blending.mixing import Window, mix
 from mgjax.graph.feet import FootChains, keep_plants
 from mgjax.graph.plants import inherited_frames
 
@@ -23,53 +23,6 @@ CHUNK = 256
 
 FRAMES = 1024
 """Smallest number of frames that the axis is padded to."""
-
-
-def blend_weights(window: int) -> Float[np.ndarray, " W"]:
-    """α(p) = 2((p+1)/L)³ − 3((p+1)/L)² + 1 for p = 0 … L−1 (eq. 5): the share of the first clip."""
-    return (1 - np.asarray(smoothstep((np.arange(window) + 1) / window))).astype(np.float32)
-
-
-def align(
-    positions_a: Float[Array, "W J 3"],
-    positions_b: Float[Array, "W J 3"],
-    weights: Float[Array, " J"],
-) -> Float[Array, "3"]:
-    """The planar transform of the second window that brings it nearest to the first (eq. 1)."""
-
-    def centre(p: Array) -> Array:
-        return jnp.einsum("wjc,j->c", p, weights) / p.shape[0]
-
-    ca, cb = centre(positions_a), centre(positions_b)
-    a, b = positions_a - ca[None, None], positions_b - cb[None, None]
-    w = weights[None, :]
-    cosine = jnp.sum(w * (a[..., 0] * b[..., 0] + a[..., 2] * b[..., 2]))
-    sine = jnp.sum(w * (a[..., 0] * b[..., 2] - a[..., 2] * b[..., 0]))
-    turn = jnp.arctan2(sine, cosine)
-    turned = planar.apply(jnp.stack([turn, 0 * turn, 0 * turn]), cb)
-    return jnp.stack([turn, ca[0] - turned[0], ca[2] - turned[2]])
-
-
-def blend(
-    root_a: Float[Array, "W 3"],
-    rotations_a: Float[Array, "W J 4"],
-    root_b: Float[Array, "W 3"],
-    rotations_b: Float[Array, "W J 4"],
-    transform: Float[Array, "3"],
-    alpha: Float[Array, " W"],
-) -> tuple[Float[Array, "W 3"], Float[Array, "W J 4"]]:
-    """Root linear, rotations by slerp on the shortest arc, B first mapped by ``transform``.
-
-    Deviation: the paper prints slerp(A, B, α), which would turn from B to A while the root runs
-    from A to B; here both run from A to B.
-    """
-    root, turned = planar.apply_pose(transform, root_b, rotations_b[:, 0])
-    rotations = jnp.concatenate([turned[:, None], rotations_b[:, 1:]], axis=1)
-    share = alpha[:, None]
-    return (
-        share * root_a + (1 - share) * root,
-        quaternion.slerp(rotations_a, rotations, 1 - share),
-    )
 
 
 def build_transitions(
@@ -83,6 +36,9 @@ def build_transitions(
     columns: Int[np.ndarray, " M"],
     weights: Float[np.ndarray, " J"],
     window: int,
+    *,
+    form: str = "support",
+    clean: bool = True,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Blends many transitions at once.
 
@@ -90,10 +46,12 @@ def build_transitions(
         skeleton: of all motion.
         root, rotations, positions: all clips on one axis of frames.
         plants: whether the left and right foot are planted, on the same axis.
-        chains: the legs, for foot clean-up; None leaves feet as blended.
+        chains: the legs, for support and foot clean-up; None does without both.
         rows, columns: first frames of the two windows of each transition.
         weights: of all joints, with the sum 1.
         window: frames in a window.
+        form: of the blend; see :func:`mgjax.graph.blending.forms.blend_form`.
+        clean: whether feet are cleaned.
 
     Returns:
         root [M, W+1, 3] and rotations [M, W+1, J, 4] in the coordinates of the clip that is left,
@@ -101,15 +59,27 @@ def build_transitions(
         planted feet travel per frame, before and after clean-up [M, 2].
     """
 
-    size = bucket_size(len(root), FRAMES)
+    # One frame more: the first window is read to the frame after it, where it no longer counts.
+    size = bucket_size(len(root) + 1, FRAMES)
     axis = [jnp.asarray(pad_axis(x, size)) for x in (root, rotations, positions, plants)]
-    share, alpha = jnp.asarray(weights), jnp.asarray(blend_weights(window))
+    how = blend_form(form, window)
+    share, decay = jnp.asarray(weights), jnp.asarray(how.decay)
     parts: list[tuple[np.ndarray, ...]] = []
     for first in range(0, len(rows), CHUNK):
         chunk = [x[first : first + CHUNK].astype(np.int32) for x in (rows, columns)]
         count = len(chunk[0])
         padded = (pad_axis(x, CHUNK) for x in chunk)
-        result = _build_chunk(skeleton, *axis, *padded, share, alpha, chains=chains)
+        result = _build_chunk(
+            skeleton,
+            *axis,
+            *padded,
+            share,
+            decay,
+            chains=chains,
+            support=how.support and chains is not None,
+            continuous=how.continuous,
+            clean=clean and chains is not None,
+        )
         parts.append(tuple(np.asarray(x)[:count] for x in result))
     if not parts:
         shape = (0, window + 1, skeleton.num_joints, 4)
@@ -118,46 +88,47 @@ def build_transitions(
     return joined[0], joined[1], joined[2], joined[3]
 
 
-@partial(jax.jit, static_argnames=("chains",))
+@partial(jax.jit, static_argnames=("chains", "support", "continuous", "clean"))
 def _build_chunk(
     skeleton: Skeleton,
-    root: Float[Array, "F 3"],
-    rotations: Float[Array, "F J 4"],
-    positions: Float[Array, "F J 3"],
-    plants: Bool[Array, "F 2"],
-    rows: Int[Array, " M"],
-    columns: Int[Array, " M"],
-    weights: Float[Array, " J"],
-    alpha: Float[Array, " W"],
+    root: Float[jax.Array, "F 3"],
+    rotations: Float[jax.Array, "F J 4"],
+    positions: Float[jax.Array, "F J 3"],
+    plants: Bool[jax.Array, "F 2"],
+    rows: Int[jax.Array, " M"],
+    columns: Int[jax.Array, " M"],
+    weights: Float[jax.Array, " J"],
+    decay: Float[jax.Array, "W1 W1"],
     *,
     chains: FootChains | None,
-) -> tuple[Array, ...]:
-    """The four results of :func:`build_transitions`; the window is as long as ``alpha``."""
-    window = alpha.shape[0]
+    support: bool,
+    continuous: bool,
+    clean: bool,
+) -> tuple[jax.Array, ...]:
+    """The four results of :func:`build_transitions`; ``decay`` is as long as a transition."""
+    length = decay.shape[0]
+    window = length - 1
 
-    def take(x: Array, first: Array, count: int) -> Array:
+    def take(x: jax.Array, first: jax.Array, count: int = length) -> jax.Array:
         return jax.lax.dynamic_slice_in_dim(x, first, count)
 
-    def one(row: Array, column: Array) -> tuple[Array, ...]:
-        transform = align(take(positions, row, window), take(positions, column, window), weights)
-        mixed_root, mixed = blend(
-            take(root, row, window),
-            take(rotations, row, window),
-            take(root, column, window),
-            take(rotations, column, window),
-            transform,
-            alpha,
+    def one(row: jax.Array, column: jax.Array) -> tuple[jax.Array, ...]:
+        axis = root, rotations, positions
+        first, second = (Window(*(take(x, at) for x in axis)) for at in (row, column))
+        standing = take(plants, row, window) & take(plants, column, window)
+        legs = chains if support else None
+        places = first.places[:-1], second.places[:-1]
+        if legs is None:
+            transform = align(*places, weights)
+        else:
+            transform = align_by_support(*places, weights, legs, standing)
+        mixed_root, mixed = mix(
+            skeleton, legs, first, second, standing, transform, decay, continuous=continuous
         )
-        last_root, last_turn = planar.apply_pose(
-            transform, root[column + window], rotations[column + window, 0]
-        )
-        last = rotations[column + window].at[0].set(last_turn)
-        mixed_root = jnp.concatenate([mixed_root, last_root[None]])
-        mixed = jnp.concatenate([mixed, last[None]])
-        if chains is None:
+        if not clean or chains is None:
             return mixed_root, mixed, transform, jnp.zeros(2)
         # One frame before and after.
-        inherited = inherited_frames(row, column, jnp.arange(-1, window + 1), window)
+        inherited = inherited_frames(row, column, jnp.arange(-1, length), window)
         planted = plants[inherited]
         before = positions[row - 1]
         mixed, slide = keep_plants(skeleton, chains, mixed_root, mixed, planted, before)

@@ -221,9 +221,28 @@ def test_distances_and_transforms_are_those_of_the_windows(graph):
         a, b = (reference.cloud(p, int(x[m]), graph.window) for x in (leave, first))
         squared = reference.squared_distance(a, b, w)
         assert abs(graph.edge_distance[edges[m]] ** 2 - squared) < 1e-5
-        # The transform is the one that brings the windows this near.
-        left_over = reference.misfit(graph.edge_exit[edges[m]], a, b, w)
-        assert abs(left_over - squared) < 1e-5
+        # The heading is that which brings them this near; the places of feet that stand in both
+        # count more.
+        got = np.asarray(graph.edge_exit[edges[m]], np.float64)
+        turn = reference.align(a, b, w)[0]
+        np.testing.assert_allclose(np.exp(1j * got[0]), np.exp(1j * turn), atol=2e-3)
+        both = _planted_in_both(graph, int(leave[m]), int(first[m]))
+        counting = (w.reshape(graph.window, -1) * graph.window + both).ravel()
+        counting /= counting.sum()
+        moved = kinematics.planar_apply(got, counting @ b)
+        np.testing.assert_allclose(moved[[0, 2]], (counting @ a)[[0, 2]], atol=1e-4)
+
+
+def _planted_in_both(graph: MotionGraph, row: int, column: int) -> np.ndarray:
+    """[W,J] what balls and ankles count more where their foot stands in both windows."""
+    names, step = graph.skeleton.names, np.arange(graph.window)
+    u = (step + 0.5) / graph.window
+    standing = graph.plants[row + step] & graph.plants[column + step]
+    extra = np.zeros((graph.window, len(names)))
+    for side, letter in enumerate("lr"):
+        for joint in (f"{letter}foot", f"{letter}toes"):
+            extra[:, names.index(joint)] = 8 * 6 * u * (1 - u) * standing[:, side]
+    return extra
 
 
 def test_the_report_is_that_of_the_graph(graph_and_labels):

@@ -2,18 +2,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from mgjax.core.motion import Motion
-from mgjax.graph.distance import distance_matrix, normalised_weights
+from mgjax.graph.distance import normalised_weights
 from mgjax.graph.feet import foot_chains
-from mgjax.graph.transition import CHUNK, align, blend, blend_weights, build_transitions
-from tests.conftest import make_motion
+from mgjax.graph.transition import CHUNK, build_transitions
 from tests.graph.made import BODY, march, places
 from tests.reference import graph as reference
 from tests.reference import kinematics
@@ -27,7 +22,7 @@ def assert_same_turns(got, want, atol=1e-5) -> None:
         np.testing.assert_allclose(kinematics.matrix(got[index]), want[index], atol=atol)
 
 
-def transitions(motions: list[Motion], rows, columns, window: int, *, clean=False, weights=WEIGHTS):
+def transitions(motions: list[Motion], rows, columns, window: int, *, clean=False, form="paper"):
     """Of clips one after another; rows and columns count on their common axis."""
     positions = np.concatenate([places(m) for m in motions])
     return build_transitions(
@@ -36,96 +31,14 @@ def transitions(motions: list[Motion], rows, columns, window: int, *, clean=Fals
         np.concatenate([m.local_rotations for m in motions]),
         positions,
         positions[:, [BODY.index("ltoes"), BODY.index("rtoes")], 1] < 0.06,
-        foot_chains(BODY) if clean else None,
+        foot_chains(BODY),
         np.array(rows, np.int64),
         np.array(columns, np.int64),
-        weights,
+        WEIGHTS,
         window,
+        form=form,
+        clean=clean,
     )
-
-
-def test_blend_weights():
-    np.testing.assert_allclose(blend_weights(2), [0.5, 0.0])
-    np.testing.assert_allclose(blend_weights(4), [27 / 32, 0.5, 5 / 32, 0.0])
-    for window in (1, 2, 10, 13):
-        want = [reference.alpha(p, window) for p in range(window)]
-        np.testing.assert_allclose(blend_weights(window), want, atol=1e-6)
-    assert reference.alpha(-1, 10) == reference.alpha(-5, 10) == 1
-    assert reference.alpha(10, 10) == 0
-
-
-@given(st.integers(0, 10**6), st.sampled_from([1, 4, 10]))
-def test_align_against_the_reference(seed, window):
-    rng = np.random.default_rng(seed)
-    a, b = rng.normal(size=(2, window, 6, 3)) + rng.normal(scale=3, size=(2, 1, 1, 3))
-    weights = rng.uniform(size=6) * (np.arange(6) != seed % 6)
-    weights /= weights.sum()
-    got = align(*(jnp.asarray(x.astype(np.float32)) for x in (a, b, weights)))
-    w = reference.cloud_weights(weights, 6, window)
-    want = reference.align(a.reshape(-1, 3), b.reshape(-1, 3), w)
-    error = np.asarray(got, np.float64) - want
-    error[0] -= 2 * np.pi * np.round(error[0] / (2 * np.pi))
-    assert np.abs(error).max() < 2e-4
-    # It is the one with which the misfit is the distance.
-    left = reference.misfit(got, a.reshape(-1, 3), b.reshape(-1, 3), w)
-    distance = distance_matrix(
-        a.astype(np.float32), b.astype(np.float32), window=window, weights=weights
-    )
-    assert np.sqrt(left) == pytest.approx(float(distance[0, 0]), abs=2e-4)
-
-
-def test_align_undoes_a_transform():
-    a = places(march(10, seed=1))
-    transform = (2.0, 30.0, -7.0)
-    b = np.array([[kinematics.planar_apply(transform, p) for p in frame] for frame in a])
-    got = align(jnp.asarray(a), jnp.asarray(b.astype(np.float32)), jnp.asarray(WEIGHTS))
-    back = np.array([[kinematics.planar_apply(got, p) for p in frame] for frame in b])
-    np.testing.assert_allclose(back, a, atol=1e-4)
-
-
-def test_align_of_points_without_a_direction_is_finite():
-    still = jnp.ones((4, 3, 3))
-    got = align(still, still + 2.0, jnp.full(3, 1 / 3))
-    np.testing.assert_allclose(got, [0, -2, -2], atol=1e-6)
-
-
-@given(st.integers(0, 10**6), st.sampled_from([1, 2, 5]))
-def test_blend_against_the_reference(seed, window):
-    a, b = (make_motion(BODY, window, seed=seed + i) for i in range(2))
-    transform = np.random.default_rng(seed).uniform(-3, 3, 3).astype(np.float32)
-    arrays = (a.root_translation, a.local_rotations, b.root_translation, b.local_rotations)
-    root, rotations = blend(*(jnp.asarray(x) for x in (*arrays, transform, blend_weights(window))))
-    want_root, want_turns = reference.blend(*arrays, transform)
-    np.testing.assert_allclose(root, want_root, atol=1e-5)
-    # Where two rotations are half a turn apart, the shortest arc is not defined.
-    turn = (np.cos(transform[0] / 2), 0, np.sin(transform[0] / 2), 0)
-    for p in range(window):
-        for j in range(BODY.num_joints):
-            last = b.local_rotations[p, j]
-            other = reference.multiply(turn, last) if j == 0 else last
-            if abs(np.dot(a.local_rotations[p, j], other)) > 0.02:
-                got = kinematics.matrix(rotations[p, j])
-                np.testing.assert_allclose(got, want_turns[p, j], atol=3e-4)
-
-
-def test_blend_worked_by_hand():
-    # Two frames. A stands at the origin, not turned; B at (0, 0, 1), turned by 90° about X, and is
-    # mapped by a quarter turn about Y and 1 m along x: to (2, 0, 0). α = ½, 0.
-    root_a, turn_a = np.zeros((2, 3), np.float32), np.tile(np.float32([1, 0, 0, 0]), (2, 2, 1))
-    root_b = np.tile(np.float32([0, 0, 1]), (2, 1))
-    half = np.float32(np.sqrt(0.5))
-    turn_b = np.tile(np.array([half, half, 0, 0], np.float32), (2, 2, 1))
-    transform = np.array([np.pi / 2, 1, 0], np.float32)
-    arrays = (root_a, turn_a, root_b, turn_b, transform, blend_weights(2))
-    root, rotations = blend(*(jnp.asarray(x) for x in arrays))
-    np.testing.assert_allclose(root, [[1, 0, 0], [2, 0, 0]], atol=1e-6)
-    # Joint 1 is halfway at 45° about X, then all the way.
-    eighth = np.cos(np.pi / 8), np.sin(np.pi / 8)
-    np.testing.assert_allclose(rotations[0, 1], [*eighth, 0, 0], atol=1e-6)
-    np.testing.assert_allclose(rotations[1, 1], [half, half, 0, 0], atol=1e-6)
-    # The root arrives at Ry(90°)·Rx(90°).
-    want = kinematics.axis_rotation("Y", np.pi / 2) @ kinematics.axis_rotation("X", np.pi / 2)
-    np.testing.assert_allclose(kinematics.matrix(rotations[1, 0]), want, atol=1e-6)
 
 
 def test_the_sign_of_a_quaternion_does_not_matter():
@@ -240,28 +153,3 @@ def test_none_at_all():
     assert rotations.shape == (0, 6, BODY.num_joints, 4)
     assert transforms.shape == (0, 3)
     assert slides.shape == (0, 2)
-
-
-def test_jit_and_vmap_agree_with_the_plain_call():
-    windows = [(march(6, seed=s), march(6, seed=s + 10, heading=1.0)) for s in range(3)]
-    alpha = jnp.asarray(blend_weights(6))
-
-    def both(pa, pb, ra, qa, rb, qb):
-        transform = align(pa, pb, jnp.asarray(WEIGHTS))
-        return transform, *blend(ra, qa, rb, qb, transform, alpha)
-
-    arguments = [
-        tuple(
-            jnp.asarray(x)
-            for x in (
-                *(places(m) for m in pair),
-                *(x for m in pair for x in (m.root_translation, m.local_rotations)),
-            )
-        )
-        for pair in windows
-    ]
-    plain = [both(*x) for x in arguments]
-    batch = jax.jit(jax.vmap(both))(*(jnp.stack(x) for x in zip(*arguments, strict=True)))
-    for i, results in enumerate(plain):
-        for x, y in zip(results, batch, strict=True):
-            np.testing.assert_allclose(x, y[i], atol=1e-5)

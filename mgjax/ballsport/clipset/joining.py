@@ -15,7 +15,8 @@ from mgjax.core import planar, quaternion
 from mgjax.core.arrays import Array
 from mgjax.core.errors import MotionError
 from mgjax.core.motion import Motion
-from mgjax.graph.transition import align, blend_weights
+from mgjax.graph.blending.alignment import align
+from mgjax.graph.blending.forms import blend_weights
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,7 +48,7 @@ def join(
 
     The last ``window`` frames of a piece and the first of the next are aligned on the floor and
     blended: the root linearly, rotations along the shorter arc, with weights that begin and end
-    without a change of velocity (:func:`mgjax.graph.transition.blend_weights`). So to leave one
+    without a change of velocity (:func:`mgjax.graph.blending.forms.blend_weights`). So to leave one
     link by the section of a :class:`~mgjax.ballsport.clipset.transition.TransitionTable`, its piece
     stops at ``leave + window`` and the next starts at ``arrive``.
 

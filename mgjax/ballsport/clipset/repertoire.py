@@ -16,7 +16,7 @@ from mgjax.clips.synthetic_turns import synthetic_turns
 from mgjax.core.errors import MotionError
 from mgjax.core.kinematics import global_positions, planar_frames
 from mgjax.core.motion import Motion
-from mgjax.graph.transition import align
+from mgjax.graph.blending.alignment import align
 
 TURN_DEG = 10
 """Turns exist in steps of this."""

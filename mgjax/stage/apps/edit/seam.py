@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
 from mgjax.core import planar
-from mgjax.core.errors import GraphError
+from mgjax.core.errors import GraphError, SkeletonError
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
+from mgjax.graph.blending.forms import blend_form
+from mgjax.graph.blending.mixing import Window, mix
+from mgjax.graph.feet import foot_chains
 from mgjax.graph.plants import foot_slide, inherited_frames
-from mgjax.graph.transition import blend, blend_weights
 from mgjax.graph.types import NO_CLIP, MotionGraph
 
 AROUND_S = 0.7
@@ -106,14 +109,7 @@ def _slides(graph: MotionGraph, edge: int, leave: int, arrive: int) -> tuple[flo
     first = int(graph.edge_starts[edge])
     cleaned = _pick(graph, np.arange(first, first + graph.window + 1))
     turn = graph.edge_exit[edge]
-    mixed = blend(
-        *_pick(graph, np.arange(leave, leave + graph.window)),
-        *_pick(graph, np.arange(begin, arrive)),
-        turn,
-        blend_weights(graph.window),
-    )
-    last = _pick(graph, np.arange(arrive, arrive + 1), turn)
-    blended = [np.concatenate([np.asarray(m), x]) for m, x in zip(mixed, last, strict=True)]
+    blended = _blended(graph, leave, begin, turn)
     slides = []
     for root, rotations in (blended, cleaned):
         whole = _motion(
@@ -121,6 +117,33 @@ def _slides(graph: MotionGraph, edge: int, leave: int, arrive: int) -> tuple[flo
         )
         slides.append(foot_slide(graph.skeleton, whole, plants)[0])
     return slides[0], slides[1]
+
+
+def _blended(
+    graph: MotionGraph, leave: int, begin: int, turn: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Root and rotations of a transition before its feet were cleaned."""
+    form = blend_form(graph.report.get("blend", "paper"), graph.window)
+    step = np.arange(graph.window + 1)
+    # The frame after the first window does not count, so any will do after the last clip.
+    frames = np.minimum(leave + step, len(graph.root_translation) - 1), begin + step
+    parts = [(*_pick(graph, x), graph.positions[x]) for x in frames]
+    first, second = (Window(*(jnp.asarray(y) for y in part)) for part in parts)
+    try:
+        legs = foot_chains(graph.skeleton) if form.support else None
+    except SkeletonError:  # nor had the builder any
+        legs = None
+    root, rotations = mix(
+        graph.skeleton,
+        legs,
+        first,
+        second,
+        jnp.asarray((graph.plants[frames[0]] & graph.plants[frames[1]])[:-1]),
+        jnp.asarray(turn),
+        jnp.asarray(form.decay),
+        continuous=form.continuous,
+    )
+    return np.asarray(root), np.asarray(rotations)
 
 
 def _jerks(

@@ -1,0 +1,1 @@
+"""Experiments on the quality of what is generated."""

@@ -1,0 +1,1 @@
+"""How two windows become one transition: alignment on the floor, and what is blended how."""
