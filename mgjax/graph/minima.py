@@ -50,6 +50,7 @@ class Minima:
 def _tile(
     a: WindowFeatures,
     b: WindowFeatures,
+    valid: Bool[Array, " R"],
     leave: Bool[Array, " R"],
     arrive: Bool[Array, " R"],
     row: Array,
@@ -60,16 +61,24 @@ def _tile(
     reach: int,
     thinned: int,
 ) -> tuple[Bool[Array, "T T"], Float[Array, "T2 T2"]]:
-    """One tile of window starts: which are minima, and all D² with a margin of ``reach``."""
+    """One tile of window starts: which are minima, and all D² with a margin of ``reach``.
+
+    ``valid``: windows that fit their clip; ``leave`` and ``arrive``: those of them that count as
+    rows and as columns.
+    """
     size = TILE + 2 * reach
     squared = block_distances(
         rows_of(a, row, size, window), rows_of(b, column, size, window), window
     )
-    ok = (
-        jax.lax.dynamic_slice_in_dim(leave, row, size)[:, None]
-        & jax.lax.dynamic_slice_in_dim(arrive, column, size)[None, :]
-    )
-    squared = jnp.where(ok, jnp.maximum(squared, 0.0), jnp.inf)
+
+    def pairs(rows: Array, columns: Array) -> Array:
+        return (
+            jax.lax.dynamic_slice_in_dim(rows, row, size)[:, None]
+            & jax.lax.dynamic_slice_in_dim(columns, column, size)[None, :]
+        )
+
+    every = jnp.where(pairs(valid, valid), jnp.maximum(squared, 0.0), jnp.inf)
+    squared = jnp.where(pairs(leave, arrive), every, jnp.inf)
     inner = slice(reach, reach + TILE)
     centre = squared[inner, inner]
     minima = centre < threshold**2
@@ -82,7 +91,7 @@ def _tile(
                 minima &= centre <= other
     if thinned:
         minima |= (centre < threshold**2) & _lowest_of_blocks(centre, thinned)
-    return minima, squared
+    return minima, every
 
 
 def _lowest_of_blocks(squared: Float[Array, "T T"], size: int) -> Bool[Array, "T T"]:
@@ -132,7 +141,7 @@ def find_minima(
     features = jax.tree.map(jnp.asarray, features)
     masks = [
         jnp.asarray(pad_axis(_where(valid, frames, allowed), len(features.spread), value=0))
-        for allowed in (leave, arrive)
+        for allowed in (None, leave, arrive)
     ]
     count = -(-(len(valid) - neighbourhood) // TILE)  # as many as the features have room for
     minima: list[tuple[np.ndarray, ...]] = []
