@@ -62,6 +62,10 @@ def assemble(
         edges=len(source),
         labels_kept=int(holds.sum()),
         labels_enterable=int(enterable.sum()),
+        # As they were given; the graph's own leave out what blends overlap.
+        label_frames=np.stack([timeline.label_starts, timeline.label_stops], axis=1)[
+            inside
+        ].tolist(),
         genuine_total=int(genuine.sum()),
         genuine_kept=int((holds & genuine).sum()),
         genuine_enterable=int((enterable & genuine).sum()),

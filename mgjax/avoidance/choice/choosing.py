@@ -40,11 +40,10 @@ def choose(
     if query is None:
         return _nothing(prepared, node, attack, config, seed)
     decision = _decided(query)
-    if not _avoids(decision) and query.config.T_wide > query.config.T_window:
-        wide = _decided(replace(query, config=widened(query.config)))
+    if not _avoids(decision) and can_widen(config):
+        wide = _decided(with_wide_window(query))
         # Those of the narrow window are among them.
-        best = better_of(decision, wide).choice
-        decision = replace(wide, choice=best)
+        decision = replace(wide, choice=better_of(decision, wide).choice)
     choice = decision.choice or _nothing(prepared, node, attack, config, seed)
     return replace(
         choice, candidates=decision.candidates, dropped=decision.dropped, crop=query.crop
@@ -54,6 +53,23 @@ def choose(
 def widened(config: AvoidanceConfig) -> AvoidanceConfig:
     """The settings with the window that is tried where no candidate of the usual one is clear."""
     return replace(config, T_window=config.T_wide)
+
+
+def can_widen(config: AvoidanceConfig) -> bool:
+    """Whether a wider window is to be tried at all."""
+    return config.T_wide > config.T_window
+
+
+def with_wide_window(query: Query) -> Query:
+    """The same query with the wider window."""
+    return replace(query, config=widened(query.config))
+
+
+def query_decided(query: Query) -> Query:
+    """The query whose candidates :func:`choose` settles on: with the wider window where it must."""
+    if not can_widen(query.config) or _avoids(_decided(query)):
+        return query
+    return with_wide_window(query)
 
 
 def _avoids(decision: Decision) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from mgjax.avoidance.attacks.ball import ball_from
-from mgjax.avoidance.choice.choosing import widened
+from mgjax.avoidance.choice.choosing import can_widen, widened
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.search import DEPTH, STATUS, search_candidates
 from mgjax.avoidance.choice.start import Query, ask
@@ -91,7 +91,7 @@ def answers_to(
     prepared: Prepared, result: Coverage, balls: Int[np.ndarray, " B"], config: AvoidanceConfig
 ) -> Answers:
     """Which parts and frames could avoid some balls of a coverage, within the wide window."""
-    config = widened(config) if config.T_wide > config.T_window else config
+    config = widened(config) if can_widen(config) else config
     config = replace(config, capacity=max(config.capacity, JUDGED))
     graph = prepared.graph
     parts = np.zeros(len(balls), dtype=np.int64)

@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.candidates.batch import EDGE_BUCKET, empty_candidate_batch
-from mgjax.avoidance.choice.choosing import widened
+from mgjax.avoidance.choice.choosing import can_widen, widened
 from mgjax.avoidance.choice.decision import decide
 from mgjax.avoidance.choice.results import Dropped, Status
 from mgjax.avoidance.choice.search import (
@@ -110,7 +110,7 @@ def select_batch(
         doubtful += _decide_by_bounds(group, result, answers, config)
     for asked, result in doubtful:  # last, since each waits for what is under way
         _look_closer(asked, result, answers)
-    if config.T_wide > config.T_window:
+    if can_widen(config):
         _try_wide(prepared, places, attacks, answers, config)
     return BatchSelection(**answers)
 
