@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.clips.types import Clip, Label, Labels
 from mgjax.core.errors import ConfigError
