@@ -129,7 +129,7 @@ def _try_wide(
     if not len(again):
         return
     wide = select_batch(
-        prepared, places[again], [attacks[i] for i in again], config=widened(config)
+        prepared, places[again], [attacks[i] for i in again.tolist()], config=widened(config)
     )
     none = Status.NO_CANDIDATE.code
     clearer = ~(np.nan_to_num(answers["clearance"][again]) >= np.nan_to_num(wide.clearance))
