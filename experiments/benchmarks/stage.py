@@ -1,10 +1,10 @@
 """The live page under a real clock: late answers, missing frames, memory, in a browser of its own.
 
 Starts ``mgjax view throw``, opens the page in Chromium and throws balls that are known some time
-ahead, with every control touched now and then (``--minutes`` for a soak). It reports how soon the
-page could be used; the share of answers that came too late; the longest time for which the page had
-no frame for what it was to show; from a click to the first picture with its ball; the memory
-of all processes at the beginning and at the end; what went wrong. Run:
+ahead. It reports how soon the page could be used; the share of answers that came too late; the
+longest time for which the page had no frame for what it was to show; from a click to the first
+picture with its ball; what went wrong. ``--app`` and ``--cold`` measure the start only, of another
+application or with an empty cache of compiled programs. Run:
 ``python -m experiments.benchmarks.stage --throws 100``.
 """
 
@@ -17,6 +17,7 @@ import random
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -95,11 +96,12 @@ def processor_s(pid: int) -> float:
 class Viewed:
     """A running ``mgjax view``."""
 
-    def __init__(self, *arguments: str) -> None:
+    def __init__(self, *arguments: str, cache: str | None = None) -> None:
+        environment = dict(os.environ) if cache is None else os.environ | {"MGJAX_CACHE": cache}
         self.begun = time.perf_counter()
         command = [sys.executable, "-m", "mgjax", "view", *arguments, "--port", "0", "--no-browser"]
         self.process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().strip()
@@ -110,44 +112,31 @@ class Viewed:
         return self.process.communicate(timeout=60)[1]
 
 
-def touch(page: Any, rng: random.Random) -> None:
-    """Does one thing that a person might do beside throwing."""
-    deeds = [
-        lambda: page.locator("[data-name=speed]").first.evaluate(
-            "(e, v) => { e.value = v; e.dispatchEvent(new Event('input')); }", rng.uniform(5, 12)
-        ),
-        lambda: page.locator("[data-name=notice]").evaluate(
-            "(e, v) => { e.value = v; e.dispatchEvent(new Event('input')); }", rng.uniform(0.8, 2)
-        ),
-        lambda: page.evaluate("mgjax.stage.camera.orbit(40, 10), mgjax.stage.wake()"),
-        lambda: page.locator("[data-name=theme]").click(),
-        lambda: replay(page, rng),
-        lambda: reload(page),
-    ]
-    rng.choice(deeds)()
+def start(app: str, *, cold: bool) -> float:
+    """Seconds from the command until the page of an application can be used."""
+    from playwright.sync_api import sync_playwright
+
+    from mgjax.stage.film import ARGUMENTS, find_browser
+
+    with tempfile.TemporaryDirectory() as empty, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=str(find_browser()), args=list(ARGUMENTS)
+        )
+        context = browser.new_context(viewport={"width": 960, "height": 540}, bypass_csp=True)
+        page = context.new_page()
+        viewed = Viewed(app, cache=empty if cold else None)
+        page.goto(viewed.address)
+        page.wait_for_function("document.documentElement.dataset.ready", timeout=600_000)
+        if app == "throw":
+            page.wait_for_function(BODY, timeout=600_000)
+        seconds = time.perf_counter() - viewed.begun
+        browser.close()
+        viewed.end()
+    return seconds
 
 
-def replay(page: Any, rng: random.Random) -> None:
-    """The last throw again, for a moment."""
-    page.click("[data-name=ghosts]" if rng.random() < 0.5 else "[data-name=replay]")
-    page.wait_for_timeout(1500)
-    if not page.evaluate("mgjax.player.live"):
-        page.click("[data-name=back-to-live]")
-        page.wait_for_function("mgjax.player.live")
-
-
-def reload(page: Any) -> None:
-    """The page anew, watched as before."""
-    kept = page.evaluate("mgjax.seen")
-    page.reload()
-    page.wait_for_function("document.documentElement.dataset.ready")
-    page.wait_for_function(BODY)
-    page.evaluate(WATCH)
-    page.evaluate("(kept) => Object.assign(mgjax.seen, kept, { last: 0, thrown: 0 })", kept)
-
-
-def run(throws: int, minutes: float, notice: float, seed: int) -> dict[str, Any]:
-    """Throws balls in a page for as long, or as many."""
+def run(throws: int, notice: float, seed: int) -> dict[str, Any]:
+    """Throws so many balls in a page."""
     from playwright.sync_api import sync_playwright
 
     from mgjax.stage.film import ARGUMENTS, find_browser
@@ -174,14 +163,12 @@ def run(throws: int, minutes: float, notice: float, seed: int) -> dict[str, Any]
         memory = [memory_mb(viewed.process.pid)]
         begun, used = time.perf_counter(), processor_s(viewed.process.pid)
         thrown = 0
-        while thrown < throws or time.perf_counter() - begun < 60 * minutes:
+        while thrown < throws:
             place = page.evaluate(BODY)
             if place is not None:
                 page.mouse.click(*place)
                 thrown += 1
             page.wait_for_timeout(rng.uniform(800, 2600))
-            if minutes and rng.random() < 0.25:
-                touch(page, rng)
             if thrown % 20 == 0:
                 memory.append(memory_mb(viewed.process.pid))
         seconds = time.perf_counter() - begun
@@ -217,12 +204,16 @@ def run(throws: int, minutes: float, notice: float, seed: int) -> dict[str, Any]
 def main() -> None:
     """Reads the arguments, runs, and prints one JSON object."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])  # type: ignore[union-attr]
+    parser.add_argument("--app", default="throw", help="throw, sketch, match or edit")
+    parser.add_argument("--cold", action="store_true", help="start with an empty cache")
     parser.add_argument("--throws", type=int, default=40)
-    parser.add_argument("--minutes", type=float, default=0.0, help="a soak of so long")
     parser.add_argument("--notice", type=float, default=0.8, help="s from a throw to the body")
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
-    found = run(arguments.throws, arguments.minutes, arguments.notice, arguments.seed)
+    if arguments.app != "throw" or arguments.cold:
+        found = {"usable_s": start(arguments.app, cold=arguments.cold)}
+    else:
+        found = run(arguments.throws, arguments.notice, arguments.seed)
     print(json.dumps(found, indent=1))
 
 
