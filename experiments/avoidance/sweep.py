@@ -183,7 +183,7 @@ def _other_forms(
         heads[name] = found["head"]
     clamped = {"head": replace(energy, form="overlap", d0="clamped")}
     printed = {"head": replace(paper, d0="paper", E_avoidance=0.5, w_a=1.0, w_b=1.0, w_t=1.0)}
-    as_printed = replace(free, T_window=1.0, speed=SPEEDS["printed"])
+    as_printed = replace(free, T_window=1.0, T_wide=1.0, speed=SPEEDS["printed"])
     rows = {
         "overlap, clamped": points.measure(
             "forms/overlap", lambda: measure(graph, throws, clamped, base, balls)
@@ -205,7 +205,7 @@ def _structural(
     """Settings that need other candidates, other times or another timing."""
     base = config.avoidance
     settings: dict[str, dict[Any, AvoidanceConfig]] = {
-        "T_window": {x: replace(base, T_window=x) for x in config.T_window},
+        "T_window": {x: replace(base, T_window=x, T_wide=x) for x in config.T_window},
         "crop_radius_m": {x: replace(base, crop_radius_m=x) for x in config.crop_radius_m},
         "speed": {name: replace(base, speed=speed) for name, speed in SPEEDS.items()},
     }

@@ -85,6 +85,8 @@ class AvoidanceConfig:
         energy: how candidates are judged.
         speed: which edges may change speed.
         T_window: width of the window of eq. 1 around the time of the attack, s.
+        T_wide: where no candidate of that window is clear, the window is made so wide, s: walks
+            that must change their speed more. At most ``T_window``, as in the paper: never.
         crop_radius_m, crop_height_m: the part of an attack within this cylinder around the root
             counts for energies and timing; of an adult, m (:func:`for_body`).
         body_rate: samples per second of the body volume, per edge. The paper's 10 Hz are off by up
@@ -106,12 +108,13 @@ class AvoidanceConfig:
     energy: EnergyConfig = EnergyConfig()
     speed: SpeedConfig = SpeedConfig()
     T_window: float = 1.0
+    T_wide: float = 2.0
     crop_radius_m: float = 1.0
     crop_height_m: float = 2.3
     body_rate: float = 30.0
     evaluation_step_s: float = 0.05
     limit_scale: bool = True
-    capacity: int = 4096
+    capacity: int = 1024
     checks: int = 64
     settle_s: float = 0.2
     warp: Literal["smooth", "linear"] = "smooth"
@@ -120,6 +123,7 @@ class AvoidanceConfig:
 
 _RANGES: Ranges = {
     "T_window": (1e-3, 10.0),
+    "T_wide": (0.0, 10.0),
     "crop_radius_m": (1e-3, 100.0),
     "crop_height_m": (1e-3, 100.0),
     "body_rate": (1.0, 1000.0),

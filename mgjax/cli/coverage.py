@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.coverage.connected import SERVED, connected
 from mgjax.avoidance.coverage.report import report
 from mgjax.avoidance.coverage.throws import Coverage, coverage
 from mgjax.cli import arguments as commands
@@ -44,6 +45,7 @@ def run(command: commands.Coverage) -> None:
             progress=sys.stderr.isatty(),
         )
         result = report(graph, found) | {"seed": command.seed}
+        result["connectivity"] = connected(graph, found, config=config)
         (folder / "coverage.json").write_text(to_json(result) + "\n")
         write_arrays(folder / "coverage.npz", graph, found)
         coverage_picture(folder / "coverage.png", graph, found)
@@ -78,10 +80,23 @@ def describe(result: dict[str, Any]) -> list[str]:
         "avoided by kind: " + ", ".join(f"{kind} {share:.1%}" for kind, share in kinds),
         "worst directions: "
         + ", ".join(f"{row['from']} {row['avoided']:.0%}" for row in result["directions"][:LISTED]),
+        *_connected(result["connectivity"]),
         "worst served:",
         *(f"  {_region(row)}" for row in result["regions"][:LISTED]),
     ]
     return [*lines, "to improve the graph:", *(f"  {line}" for line in _advice(result))]
+
+
+def _connected(found: dict[str, Any]) -> list[str]:
+    near = found["time_to_part_s"]["any"]
+    soon = " / ".join("–" if near[p] is None else f"{near[p]:.1f}" for p in ("p50", "p95"))
+    return [
+        f"connected: {soon} s to a part (p50 / p95),"
+        f" {found['avoidable_cells']:.0%} of the cells avoided from {SERVED:.0%} of the nodes,"
+        f" {found['clear_parts']['p50']} parts clear of a ball (median),"
+        f" {found['dead_frames']:.0%} of the frames in no clear candidate of"
+        f" {found['sampled_balls']} balls"
+    ]
 
 
 def _region(row: dict[str, Any]) -> str:

@@ -42,12 +42,18 @@ def assemble(
     exits = np.concatenate([np.zeros((len(along), 3)), transforms]).astype(np.float32)
     order = np.argsort(source, kind="stable")
     out_first = np.concatenate([[0], np.cumsum(np.bincount(source, minlength=len(frames)))])
-    # A label belongs to the one piece of a clip that holds it whole.
-    at = np.searchsorted(edge_starts[: len(along)], timeline.label_starts, side="right") - 1
-    holds = (at >= 0) & (timeline.label_stops <= edge_stops[np.maximum(at, 0)])
+    # A label belongs to the one piece of a clip that holds its core whole.
+    at = np.searchsorted(edge_starts[: len(along)], timeline.core_starts, side="right") - 1
+    piece = np.maximum(at, 0)
+    holds = (at >= 0) & (timeline.core_stops <= edge_stops[piece])
+    # What blends overlap of its ends is cut off on both sides alike, so that its middle stays.
+    cut = np.maximum(
+        edge_starts[piece] - timeline.label_starts, timeline.label_stops - edge_stops[piece]
+    ).clip(0)
+    label_starts, label_stops = timeline.label_starts + cut, timeline.label_stops - cut
     inside = np.flatnonzero(holds)
     genuine = np.array([label.genuine for label in timeline.labels], dtype=bool)
-    middle = (timeline.label_starts + timeline.label_stops) / 2 - edge_starts[np.maximum(at, 0)]
+    middle = (timeline.label_starts + timeline.label_stops) / 2 - edge_starts[piece]
     enterable = holds & (middle <= config.horizon_s * config.frame_rate)
     report.update(
         frames=int((timeline.stops - timeline.starts).sum()),
@@ -56,6 +62,10 @@ def assemble(
         edges=len(source),
         labels_kept=int(holds.sum()),
         labels_enterable=int(enterable.sum()),
+        # As they were given; the graph's own leave out what blends overlap.
+        label_frames=np.stack([timeline.label_starts, timeline.label_stops], axis=1)[
+            inside
+        ].tolist(),
         genuine_total=int(genuine.sum()),
         genuine_kept=int((holds & genuine).sum()),
         genuine_enterable=int((enterable & genuine).sum()),
@@ -87,8 +97,8 @@ def assemble(
         out_first=out_first,
         out_edges=order,
         label_edge=at[inside],
-        label_starts=timeline.label_starts[inside],
-        label_stops=timeline.label_stops[inside],
+        label_starts=label_starts[inside],
+        label_stops=label_stops[inside],
         label_kind=tuple(timeline.labels[i].kind for i in inside),
         label_direction=tuple(timeline.labels[i].direction for i in inside),
         label_genuine=genuine[inside],

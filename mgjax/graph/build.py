@@ -26,6 +26,8 @@ from mgjax.graph.config import GraphConfig, validate_graph_config
 from mgjax.graph.distance import normalised_weights
 from mgjax.graph.feet import foot_chains
 from mgjax.graph.minima import Minima, find_minima
+from mgjax.graph.parts.connectivity import connectivity
+from mgjax.graph.parts.margins import allowed_windows
 from mgjax.graph.prune import (
     Candidates,
     choose_threshold,
@@ -42,6 +44,7 @@ _STEPS = {
     "prune": (0.7, "cutting off dead ends"),
     "transitions": (0.75, "blending transitions"),
     "assemble": (0.95, "putting the graph together"),
+    "connectivity": (0.98, "measuring how soon parts come"),
 }
 """About how much is done when a step begins, and what it does."""
 
@@ -73,7 +76,8 @@ def build_graph(
 
     Args:
         clips: clips, or (skeleton, motion) pairs, or a mapping of names to pairs.
-        labels: intervals by clip name that no transition may touch, such as avoidance parts.
+        labels: intervals by clip name, such as avoidance parts, that no transition may touch except
+            for the margins at their ends (``label_quiet``, ``label_overlap``).
         config: settings.
         skeleton: the skeleton of the graph; by default the first clip's. With a motion of it
             (which does not become part of the graph) it is known for retargeting how it moves.
@@ -110,6 +114,11 @@ def build_graph(
     weights = joint_weights(timeline.skeleton, config.weights)
     scale = body_scale(timeline.skeleton)
 
+    allowed = allowed_windows(
+        timeline.starts, timeline.stops, timeline.core_starts, timeline.core_stops, window
+    )
+    leave, arrive = allowed if config.minima == "allowed" else (None, None)
+
     def compared(share: float) -> None:
         if watch is not None:
             begin, what = _STEPS["distance"]
@@ -123,6 +132,9 @@ def build_graph(
             weights,
             window=window,
             neighbourhood=config.neighbourhood,
+            leave=leave,
+            arrive=arrive,
+            thinned=config.range_frames,
             threshold=scale * limit * (1 + 1e-12),  # what is nearest to it is decided below
             progress=progress,
             watch=compared,
@@ -131,13 +143,13 @@ def build_graph(
     with clock.step("distance"):
         minima = search(_search_limit(config))
     with clock.step("prune"):
-        candidates, rows, columns = _candidates(timeline, minima, window, config)
+        candidates, rows, columns = _candidates(timeline, minima, allowed, window, config)
         largest = minima.largest / scale
         threshold = _threshold(candidates, largest, config)
         count = int(np.searchsorted(candidates.distances, threshold, side="left"))
         component = largest_component(candidates, count)
         if not component.frames:
-            beyond = _candidates(timeline, search(float("inf")), window, config)[0]
+            beyond = _candidates(timeline, search(float("inf")), allowed, window, config)[0]
             raise _nothing_left(beyond, threshold, largest, config)
     with clock.step("transitions"):
         chains = None
@@ -174,6 +186,8 @@ def build_graph(
     }
     with clock.step("assemble"):
         graph = assemble(timeline, candidates, kept, blended, window, config, report)
+    with clock.step("connectivity"):
+        report["connectivity"] = connectivity(graph)
     report["seconds"] = {k: round(v, 4) for k, v in clock.seconds.items()}
     return graph
 
@@ -226,22 +240,18 @@ def _nothing_left(
 
 
 def _candidates(
-    timeline: ClipTimeline, minima: Minima, window: int, config: GraphConfig
+    timeline: ClipTimeline,
+    minima: Minima,
+    allowed: tuple[np.ndarray, np.ndarray],
+    window: int,
+    config: GraphConfig,
 ) -> tuple[Candidates, np.ndarray, np.ndarray]:
     """Minima that may become transitions, and the first frames of their windows."""
     rows, columns = minima.rows, minima.columns
     clip_of = np.searchsorted(timeline.starts, np.arange(len(timeline.root)), side="right") - 1
     gap = round(config.self_gap_s * config.frame_rate)
     near = (clip_of[rows] == clip_of[columns]) & (np.abs(rows - columns) < gap)
-    # The frame before the blend and the one after it must be there.
-    before = rows > timeline.starts[clip_of[rows]]
-    after = columns + window < timeline.stops[clip_of[columns]]
-    marked = np.zeros(len(timeline.root) + 1, dtype=np.int64)
-    for start, stop in zip(timeline.label_starts, timeline.label_stops, strict=True):
-        marked[start + 1 : stop + 1] = 1
-    total = np.cumsum(marked)
-    free = [total[np.minimum(x + window, len(timeline.root))] == total[x] for x in (rows, columns)]
-    ok = ~near & before & after & free[0] & free[1]
+    ok = ~near & allowed[0][rows] & allowed[1][columns]
     if config.contacts > 0:
         ok &= same_support(timeline.plants, rows, columns, window) >= config.contacts
     candidates = Candidates(
@@ -250,8 +260,8 @@ def _candidates(
         distances=minima.distances[ok] / body_scale(timeline.skeleton),
         starts=timeline.starts,
         stops=timeline.stops,
-        label_starts=timeline.label_starts,
-        label_stops=timeline.label_stops,
+        label_starts=timeline.core_starts,
+        label_stops=timeline.core_stops,
     )
     return candidates, rows[ok], columns[ok]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 from mgjax.core.errors import ConfigError
 from mgjax.core.ranges import Ranges, check_ranges
@@ -42,6 +43,15 @@ class GraphConfig:
             decays from where, and how fast, the first one is; and the last two with support.
         contacts: smallest share of a transition's frames in which the same feet stand in both
             windows; 0: any.
+        minima: a minimum is the lowest pair of windows among: ``"allowed"``, those that may become
+            transitions, so that beside a label its neighbour stands in for one that touches it;
+            ``"all"``, as the paper has it.
+        range_frames: adds the lowest pair of each block of so many by so many windows below the
+            threshold to the minima; 0: none. Many more transitions, for somewhat better timing.
+        label_quiet: blends may overlap the ends of a label at which every joint is slower than this
+            share of the label's own peak speed; 0: not at all.
+        label_overlap: blends may overlap this share of a label's length at either end anyway: the
+            exercises of real capture follow each other without a pause. 0: not at all.
         horizon_s: a label is enterable if a walk from some node reaches its middle within this, s.
     """
 
@@ -60,6 +70,10 @@ class GraphConfig:
     blend: str = "support"
     contacts: float = 0.0
     horizon_s: float = 2.0
+    minima: Literal["allowed", "all"] = "allowed"
+    range_frames: int = 0
+    label_quiet: float = 0.2
+    label_overlap: float = 0.33
 
 
 _RANGES: Ranges = {
@@ -72,6 +86,9 @@ _RANGES: Ranges = {
     "keep": (0.0, 1.0),
     "max_threshold_m": (1e-9, 10.0),
     "contacts": (0.0, 1.0),
+    "range_frames": (0, 1024),
+    "label_quiet": (0.0, 1.0),
+    "label_overlap": (0.0, 0.49),
     "horizon_s": (1e-6, math.inf),
 }
 """Smallest and largest value of each setting that is a number."""
@@ -84,3 +101,5 @@ def validate_graph_config(config: GraphConfig) -> None:
         raise ConfigError(got="both threshold_m and normalised", expected="at most one")
     if config.blend not in BLENDS:
         raise ConfigError(got=f"blend = {config.blend!r}", expected=" or ".join(BLENDS))
+    if config.minima not in ("allowed", "all"):
+        raise ConfigError(got=f"minima = {config.minima!r}", expected="allowed or all")

@@ -14,7 +14,7 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from tqdm import tqdm
 
 from mgjax.core.arrays import Array
@@ -46,28 +46,39 @@ class Minima:
     largest: float
 
 
-@partial(jax.jit, static_argnames=("window", "reach"))
+@partial(jax.jit, static_argnames=("window", "reach", "thinned"))
 def _tile(
     a: WindowFeatures,
     b: WindowFeatures,
     valid: Bool[Array, " R"],
+    leave: Bool[Array, " R"],
+    arrive: Bool[Array, " R"],
     row: Array,
     column: Array,
     threshold: Float[Array, ""],
     *,
     window: int,
     reach: int,
+    thinned: int,
 ) -> tuple[Bool[Array, "T T"], Float[Array, "T2 T2"]]:
-    """One tile of window starts: which are minima, and all D² with a margin of ``reach``."""
+    """One tile of window starts: which are minima, and all D² with a margin of ``reach``.
+
+    ``valid``: windows that fit their clip; ``leave`` and ``arrive``: those of them that count as
+    rows and as columns.
+    """
     size = TILE + 2 * reach
     squared = block_distances(
         rows_of(a, row, size, window), rows_of(b, column, size, window), window
     )
-    ok = (
-        jax.lax.dynamic_slice_in_dim(valid, row, size)[:, None]
-        & jax.lax.dynamic_slice_in_dim(valid, column, size)[None, :]
-    )
-    squared = jnp.where(ok, jnp.maximum(squared, 0.0), jnp.inf)
+
+    def pairs(rows: Array, columns: Array) -> Array:
+        return (
+            jax.lax.dynamic_slice_in_dim(rows, row, size)[:, None]
+            & jax.lax.dynamic_slice_in_dim(columns, column, size)[None, :]
+        )
+
+    every = jnp.where(pairs(valid, valid), jnp.maximum(squared, 0.0), jnp.inf)
+    squared = jnp.where(pairs(leave, arrive), every, jnp.inf)
     inner = slice(reach, reach + TILE)
     centre = squared[inner, inner]
     minima = centre < threshold**2
@@ -78,7 +89,20 @@ def _tile(
                 minima &= centre < other  # a tie goes to the lower (row, column)
             elif (i, j) > (0, 0):
                 minima &= centre <= other
-    return minima, squared
+    if thinned:
+        minima |= (centre < threshold**2) & _lowest_of_blocks(centre, thinned)
+    return minima, every
+
+
+def _lowest_of_blocks(squared: Float[Array, "T T"], size: int) -> Bool[Array, "T T"]:
+    """Which are the lowest of their block of ``size`` × ``size`` entries; blocks at the ends may be
+    smaller."""
+    count = -(-TILE // size)
+    pad = count * size - TILE
+    blocks = jnp.pad(squared, (0, pad), constant_values=jnp.inf).reshape(count, size, count, size)
+    lowest = blocks.min(axis=(1, 3))
+    spread = jnp.repeat(jnp.repeat(lowest, size, axis=0), size, axis=1)
+    return squared <= spread[:TILE, :TILE]
 
 
 def find_minima(
@@ -90,6 +114,9 @@ def find_minima(
     window: int,
     neighbourhood: int,
     threshold: float,
+    leave: np.ndarray | None = None,
+    arrive: np.ndarray | None = None,
+    thinned: int = 0,
     progress: bool = False,
     watch: Callable[[float], None] | None = None,
 ) -> Minima:
@@ -103,13 +130,19 @@ def find_minima(
         neighbourhood: n; a minimum is compared with its (2n+1)² − 1 neighbours in the matrix of its
             own pair of clips. Ties go to the lowest (row, column), so that a flat bottom has one.
         threshold: m; ``numpy.inf`` for all minima.
+        leave, arrive: at which frames windows of the rows and of the columns may begin; None: at
+            all. Others count as infinitely far, so a minimum is the lowest of what may be used.
+        thinned: also the lowest pair of each block of so many by so many windows; 0: only minima.
         progress: shows a bar on stderr.
         watch: told the share of tiles that are done.
     """
     frames, valid, features = _features(positions, starts, stops, weights, window, neighbourhood)
     features, _ = trim_paths(features, features)
     features = jax.tree.map(jnp.asarray, features)
-    mask = jnp.asarray(pad_axis(valid, len(features.spread), value=0))
+    masks = [
+        jnp.asarray(pad_axis(_where(valid, frames, allowed), len(features.spread), value=0))
+        for allowed in (None, leave, arrive)
+    ]
     count = -(-(len(valid) - neighbourhood) // TILE)  # as many as the features have room for
     minima: list[tuple[np.ndarray, ...]] = []
     largest = 0.0
@@ -121,12 +154,13 @@ def find_minima(
         hits, squared = _tile(
             features,
             features,
-            mask,
+            *masks,
             jnp.int32(row),
             jnp.int32(column),
             jnp.float32(min(threshold, 1e18) * (1 + 1e-5)),
             window=window,
             reach=neighbourhood,
+            thinned=thinned,
         )
         squares = np.asarray(squared)[neighbourhood:-neighbourhood, neighbourhood:-neighbourhood]
         if np.isinf(threshold):
@@ -146,6 +180,13 @@ def find_minima(
         distances=distance[order],
         largest=float(np.sqrt(largest)),
     )
+
+
+def _where(
+    valid: Bool[np.ndarray, " R"], frames: Int[np.ndarray, " R"], allowed: np.ndarray | None
+) -> Bool[np.ndarray, " R"]:
+    """Which entries of the axis with gaps are windows that may be used."""
+    return valid if allowed is None else valid & allowed[frames]
 
 
 def _features(

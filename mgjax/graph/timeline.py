@@ -15,12 +15,17 @@ from mgjax.core.contacts import foot_joints, planted
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 from mgjax.graph.config import GraphConfig
+from mgjax.graph.parts.margins import label_margins
 from mgjax.graph.transition import frame_positions
 
 
 @dataclass(frozen=True, kw_only=True)
 class ClipTimeline:
-    """All prepared clips on one axis of frames."""
+    """All prepared clips on one axis of frames.
+
+    ``core_starts`` and ``core_stops`` are what is left of the labels without the margins that
+    blends may overlap.
+    """
 
     skeleton: Skeleton
     clips: list[PreparedClip]
@@ -32,6 +37,8 @@ class ClipTimeline:
     plants: np.ndarray
     label_starts: np.ndarray
     label_stops: np.ndarray
+    core_starts: np.ndarray
+    core_stops: np.ndarray
     labels: list[Label]
 
 
@@ -68,6 +75,9 @@ def make_timeline(
     frames = np.concatenate(
         [c.label_frames + a for c, a in zip(prepared, starts, strict=True)]
     ).astype(np.int64)
+    margins = label_margins(
+        positions, frames, quiet=config.label_quiet, overlap=config.label_overlap
+    )
     timeline = ClipTimeline(
         skeleton=skeleton,
         clips=prepared,
@@ -79,6 +89,8 @@ def make_timeline(
         plants=plants,
         label_starts=frames[:, 0],
         label_stops=frames[:, 1],
+        core_starts=frames[:, 0] + margins[:, 0],
+        core_stops=frames[:, 1] - margins[:, 1],
         labels=[label for c in prepared for label in c.labels],
     )
     return timeline, notes

@@ -44,7 +44,8 @@ class MotionGraph:
         edge_distance: distance of a transition's windows, m; 0 for a piece of a clip. [E]
         out_first, out_edges: the edges out of node n are out_edges[out_first[n]:out_first[n+1]].
         label_edge: the edge that holds a labelled part. [P]
-        label_starts, label_stops: its frames. [P]
+        label_starts, label_stops: its frames, less those that blends overlap, as many at either
+            end. [P]
         label_kind, label_direction: what it is. [P]
         label_genuine: a real evasion, not an exercise that resembles one. [P]
         report: how the graph came about, as JSON values.

@@ -213,6 +213,54 @@ def test_more_neighbours_only_take_away():
     assert len(found[-1]) < len(found[0])
 
 
+def test_windows_that_may_not_be_used(tile):
+    #        2  0  4  2
+    #   0    2  0  4  2      Without the row of 0 and the column of 0, (1, 0) and (1, 2) have no
+    #   3    1  3  1  1      lower neighbour left; (1, 3), (2, 0) and (2, 3) tie with one that comes
+    #   1    1  1  3  1      first, or have (3, 2).
+    #   4    2  4  0  2
+    a, b = [0, 3, 1, 4], [2, 0, 4, 2]
+    clips = np.concatenate([steps(a), steps(b)])
+    rows, columns = np.ones(8, bool), np.ones(8, bool)
+    rows[0], columns[5] = False, False
+    found = find_minima(
+        clips, np.array([0, 4]), np.array([4, 8]), normalised_weights(None, 1),
+        window=1, neighbourhood=1, threshold=np.inf, leave=rows, arrive=columns,
+    )  # fmt: skip
+    squares = np.abs(np.subtract.outer(np.float64(a), b)) ** 2
+    squares[0], squares[:, 1] = np.inf, np.inf
+    want = {x for x in reference.minima(squares, 1, np.inf) if np.isfinite(squares[x])}
+    assert across(found, 4) == want == {(1, 0), (1, 2), (3, 2)}
+    assert found.largest == 4.0  # of all pairs
+
+
+@pytest.mark.parametrize("size", [3, 4])
+def test_lowest_of_blocks(tile, size):
+    """Blocks lie on the axis of frames within each tile; the lowest of each, and all minima."""
+    clips = marches(31, 24)
+    stops = np.cumsum([len(c) for c in clips])
+    arguments = np.concatenate(clips), stops - [31, 24], stops, normalised_weights(None, 15)
+    settings = {"window": 5, "neighbourhood": 1, "threshold": 0.12}
+    plain, dense = (find_minima(*arguments, **settings, thinned=n) for n in (0, size))
+    few, many = (set(zip(f.rows.tolist(), f.columns.tolist(), strict=True)) for f in (plain, dense))
+    assert few <= many
+    margin = settings["neighbourhood"]
+    axis = {f: f + margin * (f >= 31) for f in range(55)}  # a gap lies after each clip
+    blocks: dict[tuple[int, ...], list[tuple[float, tuple[int, int]]]] = {}
+    for i, j, matrix in pairs(clips, 5):
+        for r, c in np.ndindex(*matrix.shape):
+            if matrix[r, c] < 0.12**2:
+                place = [divmod(axis[x], tile) for x in (r + i, c + j)]
+                block = tuple(v for t, inner in place for v in (t, inner // size))
+                blocks.setdefault(block, []).append((float(matrix[r, c]), (r + i, c + j)))
+    for entries in blocks.values():
+        first, *others = sorted(entries)
+        if first[0] < 0.12**2 - SLACK and all(x[0] > first[0] + SLACK for x in others):
+            assert first[1] in many
+        beaten = {place for value, place in entries if value > first[0] + SLACK}
+        assert not (many - few) & beaten
+
+
 LEVELS = st.lists(st.integers(0, 4), min_size=8, max_size=8)
 
 

@@ -121,7 +121,9 @@ def test_files_that_are_no_text(tmp_path: Path) -> None:
         load_config(tmp_path / "deep.toml", GraphConfig)
 
 
-@pytest.mark.parametrize("name", ["graph/default", "avoidance/default", "avoidance/paper"])
+@pytest.mark.parametrize(
+    "name", ["graph/default", "graph/paper", "avoidance/default", "avoidance/paper"]
+)
 def test_configs_that_come_along(name: str) -> None:
     kind = {"graph": GraphConfig, "avoidance": AvoidanceConfig}[name.split("/")[0]]
     config = load_config(ROOT / "configs" / f"{name}.toml", kind)

@@ -6,13 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from mgjax.avoidance.body.spheres import BodySpheres, preset_spheres, sphere_centres
 from mgjax.avoidance.config import SpeedConfig
 from mgjax.core import planar
 from mgjax.core.body.roles import require_roles
+from mgjax.graph.parts.connectivity import nearest_part
 from mgjax.graph.types import MotionGraph
 
 END_EFFECTORS = ("left_wrist", "right_wrist", "left_ankle", "right_ankle")
@@ -88,7 +87,7 @@ def edge_tables(graph: MotionGraph, body_rate: float) -> EdgeTables:
         part_centre=0.5 * (start + stop),
         part_first=np.concatenate([[0], np.cumsum(counts)]),
         part_ids=np.argsort(part_edge, kind="stable"),
-        nearest_part=_nearest_parts(graph, seconds, part_edge, 0.5 * (start + stop)),
+        nearest_part=nearest_part(graph, np.ones(len(part_edge), dtype=bool)),
         farthest=_farthest(pool[first], spheres),
     )
 
@@ -144,24 +143,6 @@ def _top_speeds(graph: MotionGraph, positions: np.ndarray) -> np.ndarray:
     return np.array(
         [step[a:b].max() for a, b in zip(graph.edge_starts, graph.edge_stops, strict=True)]
     )
-
-
-def _nearest_parts(
-    graph: MotionGraph, seconds: np.ndarray, part_edge: np.ndarray, centre: np.ndarray
-) -> np.ndarray:
-    """Least time from each node to the middle of any part: shortest paths to one common sink."""
-    sink = graph.num_nodes
-    source = np.concatenate([graph.edge_target, np.full(len(part_edge), sink)])
-    target = np.concatenate([graph.edge_source, graph.edge_source[part_edge]])
-    weight = np.concatenate([seconds, np.maximum(centre, 1e-9)])
-    order = np.argsort(weight)[::-1]  # of parallel edges the shortest is written last
-    best: dict[tuple[int, int], float] = {}
-    for i in order:
-        best[int(source[i]), int(target[i])] = float(weight[i])
-    keys = np.array(list(best), dtype=np.int64).reshape(-1, 2)
-    size = (sink + 1, sink + 1)
-    matrix = csr_array((np.array(list(best.values())), (keys[:, 0], keys[:, 1])), shape=size)
-    return np.asarray(dijkstra(matrix, directed=True, indices=sink))[:sink]
 
 
 def speed_classes(

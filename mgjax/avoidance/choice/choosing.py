@@ -32,18 +32,54 @@ def choose(
     It answers as :func:`mgjax.avoidance.choice.selection.select` does, without making the motion;
     its arguments are described there. With an ``index`` candidates whose avoidance volume the
     attack touches are looked up (§5.1); where none of them is clear, the others that are in time
-    follow. Where the index cannot say, all are enumerated.
+    follow. Where the index cannot say, all are enumerated. Where none within ``T_window`` is clear,
+    all within ``T_wide`` are tried.
     """
     prepared = prepared_for(graph, config, index)
     query = ask(prepared, node, attack, config)
     if query is None:
         return _nothing(prepared, node, attack, config, seed)
-    paths = _paths_in_time(query)
-    decision = best_of(query, query.in_time) if paths is None else _looked_up(query, paths)
+    decision = _decided(query)
+    if not _avoids(decision) and can_widen(config):
+        wide = _decided(with_wide_window(query))
+        # Those of the narrow window are among them.
+        decision = replace(wide, choice=better_of(decision, wide).choice)
     choice = decision.choice or _nothing(prepared, node, attack, config, seed)
     return replace(
         choice, candidates=decision.candidates, dropped=decision.dropped, crop=query.crop
     )
+
+
+def widened(config: AvoidanceConfig) -> AvoidanceConfig:
+    """The settings with the window that is tried where no candidate of the usual one is clear."""
+    return replace(config, T_window=config.T_wide)
+
+
+def can_widen(config: AvoidanceConfig) -> bool:
+    """Whether a wider window is to be tried at all."""
+    return config.T_wide > config.T_window
+
+
+def with_wide_window(query: Query) -> Query:
+    """The same query with the wider window."""
+    return replace(query, config=widened(query.config))
+
+
+def query_decided(query: Query) -> Query:
+    """The query whose candidates :func:`choose` settles on: with the wider window where it must."""
+    if not can_widen(query.config) or _avoids(_decided(query)):
+        return query
+    return with_wide_window(query)
+
+
+def _avoids(decision: Decision) -> bool:
+    return decision.choice is not None and decision.choice.status == Status.AVOIDED
+
+
+def _decided(query: Query) -> Decision:
+    """The best of the candidates within T_window, looked up or enumerated."""
+    paths = _paths_in_time(query)
+    return best_of(query, query.in_time) if paths is None else _looked_up(query, paths)
 
 
 def _paths_in_time(query: Query) -> Int[np.ndarray, " C"] | None:
@@ -64,7 +100,7 @@ def _looked_up(query: Query, paths: Int[np.ndarray, " C"]) -> Decision:
     if touched is None:
         return best_of(query, index.walks(paths))
     first = best_of(query, index.walks(paths[touched]))
-    if first.choice is not None and first.choice.status == Status.AVOIDED:
+    if _avoids(first):
         return first
     return better_of(best_of(query, index.walks(paths[~touched])), first)
 

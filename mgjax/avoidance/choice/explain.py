@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.choice.choosing import query_decided
 from mgjax.avoidance.choice.search import STATUS, search_candidates
 from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.choice.verify import bounded, bounds_of, verify
@@ -61,7 +62,8 @@ def explain(
     """Every candidate of an attack: what it is worth, and whether it stays clear.
 
     Without slices and index: they only leave candidates out. The first in the list that is
-    ``clear`` is what :func:`mgjax.avoidance.choose` takes.
+    ``clear`` is what :func:`mgjax.avoidance.choose` takes: they are those within ``T_window`` or,
+    where it finds none of them clear, within ``T_wide``.
 
     Args:
         graph, node, attack, config: see :func:`mgjax.avoidance.select`.
@@ -77,7 +79,10 @@ def explain(
     config = config or AvoidanceConfig()
     prepared = prepared_for(graph, config)
     query = ask(prepared, node, attack, config)
-    if query is None or not len(query.in_time.length):
+    if query is None:
+        return []
+    query = query_decided(query)
+    if not len(query.in_time.length):
         return []
     candidates = query.in_time
     padded, result = search_candidates(query, candidates)

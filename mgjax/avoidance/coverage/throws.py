@@ -45,7 +45,7 @@ class Coverage(Shown):
         heights: at the body's axis, m, ascending. [H]
         arrivals: seconds from now until a ball is at the axis, ascending. [A]
         speed: of the balls, m/s.
-        window: T of eq. 1, s.
+        window: the widest T of eq. 1 that is tried, s.
         node: where the character stands. [B]
         direction, height, arrival: indices into the above. [B]
         answers: what became of each ball. [B]
@@ -150,7 +150,7 @@ def coverage(
         heights=high,
         arrivals=late,
         speed=float(speed),
-        window=float(config.T_window),
+        window=float(max(config.T_window, config.T_wide)),
         node=node,
         direction=direction,
         height=height,

@@ -38,7 +38,8 @@ from mgjax.core.xla.padding import pad_axis
 from mgjax.core.xla.pytree import register
 from mgjax.graph.types import MotionGraph
 
-CAPACITY = 16_384
+CAPACITY = 512
+"""Most paths of a node: more are needed only where very many parts are near, and weigh most."""
 _WORDS = 1 << 21
 _THREADS = min(4, os.cpu_count() or 1)
 _AREAS = np.array([32, 64, 96, 128, 192, 256])

@@ -25,6 +25,7 @@ KEYS = (
     "genuine_total",
     "genuine_kept",
     "genuine_enterable",
+    "connectivity",
     "seconds",
     "foot_slide_before",
     "foot_slide_after",

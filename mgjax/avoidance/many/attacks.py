@@ -12,6 +12,7 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.candidates.batch import EDGE_BUCKET, empty_candidate_batch
+from mgjax.avoidance.choice.choosing import can_widen, widened
 from mgjax.avoidance.choice.decision import decide
 from mgjax.avoidance.choice.results import Dropped, Status
 from mgjax.avoidance.choice.search import (
@@ -109,7 +110,36 @@ def select_batch(
         doubtful += _decide_by_bounds(group, result, answers, config)
     for asked, result in doubtful:  # last, since each waits for what is under way
         _look_closer(asked, result, answers)
+    if can_widen(config):
+        _try_wide(prepared, places, attacks, answers, config)
     return BatchSelection(**answers)
+
+
+def _try_wide(
+    prepared: Prepared,
+    places: Int[np.ndarray, " B"],
+    attacks: Sequence[Attack],
+    answers: dict[str, np.ndarray],
+    config: AvoidanceConfig,
+) -> None:
+    """Answers with the wide window what is not avoided with the usual one."""
+    again = np.flatnonzero(
+        (answers["status"] != Status.AVOIDED.code) & np.isfinite(answers["t_attack"])
+    )
+    if not len(again):
+        return
+    wide = select_batch(
+        prepared, places[again], [attacks[i] for i in again.tolist()], config=widened(config)
+    )
+    none = Status.NO_CANDIDATE.code
+    clearer = ~(np.nan_to_num(answers["clearance"][again]) >= np.nan_to_num(wide.clearance))
+    better = (wide.status != none) & (
+        (wide.status == Status.AVOIDED.code) | (answers["status"][again] == none) | clearer
+    )
+    for name, values in answers.items():
+        found = getattr(wide, name)
+        rows = slice(None) if name == "candidates" else better
+        values[again[rows]] = found[rows]
 
 
 def _no_answers(count: int) -> dict[str, np.ndarray]:

@@ -14,11 +14,14 @@ from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.body.spheres import preset_spheres, sphere_centres
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_motion
+from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import continue_clear
+from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.search import HOPELESS_M
 from mgjax.avoidance.choice.selection import Selection, select
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig, for_body
 from mgjax.avoidance.energy.evaluate import judge
+from mgjax.avoidance.many.attacks import select_batch
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import CLEAR_M, FAR
 from mgjax.avoidance.timing.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE
@@ -31,7 +34,7 @@ from mgjax.io.bvh.write import save_bvh
 from tests.avoidance.made import make_graph, throw
 from tests.reference import avoidance as reference
 
-QUICK = AvoidanceConfig(checks=12)
+QUICK = AvoidanceConfig(checks=12, T_wide=0.0, capacity=4096)
 
 
 @pytest.fixture(scope="module")
@@ -249,6 +252,7 @@ NAN = float("nan")
 BAD_SETTINGS = [
     ("T_window", AvoidanceConfig(T_window=0.0)),
     ("T_window", AvoidanceConfig(T_window=NAN)),
+    ("T_wide", AvoidanceConfig(T_wide=-1.0)),
     ("crop_radius_m", AvoidanceConfig(crop_radius_m=-1.0)),
     ("crop_height_m", AvoidanceConfig(crop_height_m=float("inf"))),
     ("body_rate", AvoidanceConfig(body_rate=0.0)),
@@ -310,6 +314,28 @@ def test_unchecked_candidates_are_not_called_hit(any_graph: MotionGraph, answers
         assert one.dropped.hit + one.dropped.overflow == total
         seen += 1
     assert seen
+
+
+def test_a_wider_window_where_nothing_is_clear(any_graph: MotionGraph, answers: list) -> None:
+    """What avoids stays; elsewhere the choice is that of the wider window, or touched less."""
+    wide = replace(QUICK, T_wide=2.0)
+    only = replace(QUICK, T_window=2.0)
+    asked = [a for a in answers if a[2].status != "avoided"][:3]
+    asked += [a for a in answers if a[2].status == "avoided"][:1]
+    batch = select_batch(any_graph, [a[0] for a in asked], [a[1] for a in asked], config=wide)
+    for i, (node, attack, before) in enumerate(asked):
+        got = choose(any_graph, node, attack, config=wide)
+        assert tuple(Status)[batch.status[i]] == got.status
+        assert batch.candidates[i] == got.candidates
+        if before.status == "avoided":
+            path, same = (x.walk.edges[: x.path_length] for x in (got, before))
+            np.testing.assert_array_equal(path, same)
+            continue
+        other = choose(any_graph, node, attack, config=only)
+        assert got.candidates == other.candidates
+        assert got.status == other.status
+        if got.status == "hit":
+            assert got.clearance_m >= max(other.clearance_m, before.clearance_m or -np.inf) - 1e-6
 
 
 def test_capacity_is_counted(any_graph: MotionGraph, answers: list) -> None:

@@ -135,10 +135,10 @@ def test_nodes_out_of_reach(made_graph: MotionGraph, small: Coverage) -> None:
     order = np.flatnonzero(made_graph.node_clip == made_graph.node_clip[0])
     order = order[np.argsort(made_graph.node_frame[order])]
     nearest = np.full(made_graph.num_nodes, 0.4)
-    nearest[order[[2, 3, 4, 6]]] = [1.5, np.inf, 1.4, 1.69]
+    nearest[order[[2, 3, 4, 6]]] = [2.0, np.inf, 1.9, 2.19]
     changed = replace(small, nearest_part=nearest)
     early, late = report(made_graph, changed)["out_of_reach"]
-    assert (early["within_s"], early["nodes"]) == (1.4, 4)
+    assert (early["within_s"], early["nodes"]) == (1.9, 4)  # half of T_wide more
     assert [row["nodes"] for row in early["stretches"]] == [order[2:5].tolist(), [int(order[6])]]
     row = early["stretches"][0]
     assert row["clip"] == made_graph.clip_names[made_graph.node_clip[0]]
@@ -147,8 +147,8 @@ def test_nodes_out_of_reach(made_graph: MotionGraph, small: Coverage) -> None:
     assert row["frames"] == frames
     assert row["seconds"] == pytest.approx([f / made_graph.frame_rate for f in frames], abs=1e-3)
     assert row["nearest_part_s"] is None
-    assert early["stretches"][1]["nearest_part_s"] == 1.69
-    assert (late["within_s"], late["nodes"]) == (1.7, 1)
+    assert early["stretches"][1]["nearest_part_s"] == 2.19
+    assert (late["within_s"], late["nodes"]) == (2.2, 1)
 
 
 def test_shares_by_hand() -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.clips.types import Clip, Label, Labels
 from mgjax.core.errors import ConfigError
@@ -109,12 +111,14 @@ def graph_clips(graph: MotionGraph) -> list[Clip]:
 def graph_labels(graph: MotionGraph) -> dict[str, tuple[Label, ...]]:
     """The labels that a graph has kept, by clip."""
     found: dict[str, tuple[Label, ...]] = {}
-    for part, edge in enumerate(graph.label_edge):
+    own = np.stack([graph.label_starts, graph.label_stops], axis=1).tolist()
+    whole = graph.report.get("label_frames", own)  # with what blends overlap of them
+    for part, (edge, (start, stop)) in enumerate(zip(graph.label_edge, whole, strict=True)):
         clip = int(graph.edge_clip[edge])
         first, name = int(graph.clip_starts[clip]), graph.clip_names[clip]
         label = Label(
-            start_s=(int(graph.label_starts[part]) - first) / graph.frame_rate,
-            end_s=(int(graph.label_stops[part]) - first) / graph.frame_rate,
+            start_s=(start - first) / graph.frame_rate,
+            end_s=(stop - first) / graph.frame_rate,
             kind=graph.label_kind[part],
             direction=graph.label_direction[part],
             genuine=bool(graph.label_genuine[part]),

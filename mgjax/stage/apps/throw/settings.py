@@ -27,7 +27,7 @@ class BallSettings:
     notice: float = 1.5
 
 
-START = AvoidanceConfig(T_window=2.0)
+START = AvoidanceConfig(T_window=2.0, T_wide=0.0)
 """Settings of the search at the beginning: a wide window finds a way out more often."""
 BALL_RANGES = {
     "speed": (2.0, 30.0),
