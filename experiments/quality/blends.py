@@ -96,7 +96,7 @@ def run(config: Config) -> Results:
                 graph = built(threshold_m=threshold, contacts=contacts, blend=name)
                 row, _, uncut = _row(graph, capture or capture_of(graph), uncut, config.most)
                 table.append({"name": name, "contacts": contacts} | row)
-    strips = _worst(*(kept[name] for name in ("paper", "support")), config.strips)
+    strips = _worst(kept["paper"], kept["support"], config.strips)
     skeleton = kept["paper"][0].skeleton
     shown = ("jerk", "velocity_jump", "contact_speed", "skate_cm")
     return Results(

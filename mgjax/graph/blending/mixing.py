@@ -47,8 +47,8 @@ def blend(
     """
     root, turned = planar.apply_pose(transform, root_b, rotations_b[:, 0])
     target = jnp.concatenate([turned[:, None], rotations_b[:, 1:]], axis=1)
-    target = _same_sign(target) if continuous else target
-    apart = quaternion.multiply(quaternion.conjugate(target), rotations_a)
+    target = _same_sign(jnp.asarray(target)) if continuous else target
+    apart = jnp.asarray(quaternion.multiply(quaternion.conjugate(target), rotations_a))
     if continuous:
         apart = _same_sign(apart)
         middle = apart[apart.shape[0] // 2, :, :1]
