@@ -30,7 +30,7 @@ from tests.avoidance.culling.made import (
 )
 from tests.avoidance.made import throw
 
-CONFIG = AvoidanceConfig()
+CONFIG = AvoidanceConfig(T_wide=0.0)  # one window, whose candidates are counted
 
 
 @pytest.mark.parametrize("form", ["paper", "binned"])

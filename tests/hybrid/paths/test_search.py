@@ -308,7 +308,7 @@ def test_wanted_speed() -> None:
 def test_obstacles_and_end() -> None:
     graph = walking(("walk", "walk_curve", "steps", "turns"), 5)
     sketch = make_sketch([[0, 0], [0, 4]], obstacles=[[0.2, 2.0, 0.1]], end=(0.0, 4.0, math.nan))
-    result = follow(graph, sketch, config=PathConfig(method="beam", beam_width=256))
+    result = follow(graph, sketch, config=PathConfig(method="beam", beam_width=512))
     off = np.linalg.norm(result.track.places - [0.2, 2.0], axis=1)
     assert result.status == "followed"
     assert off.min() >= 0.4 - 1e-3

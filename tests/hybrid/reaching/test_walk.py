@@ -183,7 +183,7 @@ def captured(folder: Path):
 def test_on_capture(capture: Path) -> None:
     graph = captured(capture / "locomotion" / "cmu16")
     curve = make_sketch([[0, 0], [1.5, 2.5], [0, 5], [-1.5, 7.5], [0, 10]], spline=True)
-    high = make_target("right_hand", place=[0.05, 1.85, 5.55], when="passing")
+    high = make_target("right_hand", place=[0.05, 1.75, 5.5], when="passing")
     far = make_target("left_hand", place=[1.5, 0.9, 11.0], when="end")
     bar = make_target("head", bar=([-2.5, 1.5, 7.5], [-0.5, 1.5, 7.5], 0.03))
     result = go(high, far, bar, graph=graph, sketch=curve)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.clips.types import Clip, Label, Labels
 from mgjax.core.errors import ConfigError
@@ -14,6 +12,7 @@ from mgjax.graph.files import FILE_NAME, load_graph
 from mgjax.graph.types import MotionGraph
 from mgjax.stage.apps.edit.labels import LabelBook
 from mgjax.stage.apps.edit.library import Library, folder_library, memory_library
+from mgjax.stage.apps.edit.picture import whole_labels
 from mgjax.stage.apps.edit.session import EditSession
 from mgjax.stage.apps.edit.workbench import Settings, Workbench
 from mgjax.stage.serve.options import Options
@@ -111,8 +110,7 @@ def graph_clips(graph: MotionGraph) -> list[Clip]:
 def graph_labels(graph: MotionGraph) -> dict[str, tuple[Label, ...]]:
     """The labels that a graph has kept, by clip."""
     found: dict[str, tuple[Label, ...]] = {}
-    own = np.stack([graph.label_starts, graph.label_stops], axis=1).tolist()
-    whole = graph.report.get("label_frames", own)  # with what blends overlap of them
+    whole = whole_labels(graph).tolist()
     for part, (edge, (start, stop)) in enumerate(zip(graph.label_edge, whole, strict=True)):
         clip = int(graph.edge_clip[edge])
         first, name = int(graph.clip_starts[clip]), graph.clip_names[clip]

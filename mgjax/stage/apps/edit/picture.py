@@ -63,12 +63,18 @@ def kept_spans(graph: MotionGraph) -> Int[np.ndarray, "K 2"]:
     return spans
 
 
+def whole_labels(graph: MotionGraph) -> Int[np.ndarray, "P 2"]:
+    """Frames of the labels that a graph holds, with what blends overlap of them."""
+    own = np.stack([graph.label_starts, graph.label_stops], axis=1)
+    return np.asarray(graph.report.get("label_frames", own), dtype=np.int64).reshape(-1, 2)
+
+
 def _kept(graph: MotionGraph) -> list[dict[str, Any]]:
     horizon = GraphConfig().horizon_s * graph.frame_rate
     found: list[dict[str, Any]] = []
-    for part, edge in enumerate(graph.label_edge):
+    whole = whole_labels(graph).tolist()
+    for part, (edge, (start, stop)) in enumerate(zip(graph.label_edge, whole, strict=True)):
         clip = int(graph.edge_clip[edge])
-        start, stop = int(graph.label_starts[part]), int(graph.label_stops[part])
         first = int(graph.clip_starts[clip])
         found.append(
             {
@@ -88,11 +94,10 @@ def _kept(graph: MotionGraph) -> list[dict[str, Any]]:
 def _lost(graph: MotionGraph, labels: Labels) -> list[dict[str, Any]]:
     """Labels that no piece of the graph holds, where they stand in their clips."""
     held: dict[int, list[tuple[int, int]]] = {}
-    for part, edge in enumerate(graph.label_edge):
+    for edge, (start, stop) in zip(graph.label_edge, whole_labels(graph).tolist(), strict=True):
         clip = int(graph.edge_clip[edge])
         first = int(graph.clip_starts[clip])
-        span = int(graph.label_starts[part]) - first, int(graph.label_stops[part]) - first
-        held.setdefault(clip, []).append(span)
+        held.setdefault(clip, []).append((start - first, stop - first))
     found: list[dict[str, Any]] = []
     for clip, name in enumerate(graph.clip_names):
         for label in labels.get(name, ()):
