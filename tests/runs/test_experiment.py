@@ -201,6 +201,7 @@ def run_at_smoke_size(tmp_path_factory) -> Callable[[str], dict[str, Any]]:
 
 SLOW = (
     "experiments.avoidance.calibrate",
+    "experiments.avoidance.connectivity",
     "experiments.avoidance.culling",
     "experiments.avoidance.success",
     "experiments.avoidance.sweep",
@@ -211,6 +212,7 @@ SLOW = (
     "experiments.benchmarks.random_attacks",
     "experiments.hybrid.build",
     "experiments.hybrid.reach",
+    "experiments.quality.blends",
 )
 """Each takes a quarter of a minute and more, mostly for programs that no test shares; what they
 call is tested."""

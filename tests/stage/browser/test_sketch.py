@@ -14,6 +14,17 @@ from mgjax.hybrid.reaching.targets import load_targets
 from mgjax.io.load import load_motion
 
 WAIT = 120_000
+THREE_FRAMES = """() => new Promise((done) => {
+  let left = 3;
+  const stop = mgjax.stage.onFrame(() => {
+    left -= 1;
+    if (left) { mgjax.stage.wake(); return; }
+    stop();
+    done();
+  });
+  mgjax.stage.wake();
+})"""
+"""By then the camera stands where it begins, and knows the size of the picture."""
 OUTCOME = "[data-name=outcome]"
 NOTES = """() => {
   mgjax.notes = [];
@@ -33,6 +44,7 @@ def page(open_app: Callable[[str], Any], address: str) -> Any:
     page = open_app(address)
     page.set_viewport_size({"width": 900, "height": 540})  # the panel beside the picture
     page.evaluate(NOTES)
+    page.evaluate(THREE_FRAMES)
     return page
 
 
