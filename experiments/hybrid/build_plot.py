@@ -13,8 +13,8 @@ from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import resample
 from mgjax.graph.build import joint_weights
 from mgjax.graph.config import GraphConfig
-from mgjax.graph.distance import distance_matrix
-from mgjax.graph.minima import find_minima
+from mgjax.graph.distances.distance import distance_matrix
+from mgjax.graph.distances.minima import find_minima
 from mgjax.graph.types import MotionGraph
 from mgjax.hybrid.config import PathConfig, path_for_body
 from mgjax.hybrid.macro.macro_edges import build_macro_edges

@@ -12,8 +12,8 @@ import numpy as np
 from mgjax.bench.timing import interleaved
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.graph.build import build_graph
-from mgjax.graph.distance import distance_matrix, normalised_weights
-from mgjax.graph.minima import find_minima
+from mgjax.graph.distances.distance import distance_matrix, normalised_weights
+from mgjax.graph.distances.minima import find_minima
 
 JOINTS = 31
 WINDOW = 10

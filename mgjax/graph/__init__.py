@@ -9,7 +9,7 @@ from mgjax._lazy import attach
 if TYPE_CHECKING:
     from mgjax.graph.build import build_graph as build_graph
     from mgjax.graph.config import GraphConfig as GraphConfig
-    from mgjax.graph.distance import distance_matrix as distance_matrix
+    from mgjax.graph.distances.distance import distance_matrix as distance_matrix
     from mgjax.graph.files import load_graph as load_graph
     from mgjax.graph.files import save_graph as save_graph
     from mgjax.graph.types import MotionGraph as MotionGraph

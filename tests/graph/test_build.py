@@ -18,7 +18,7 @@ from mgjax.core.kinematics import forward
 from mgjax.core.motion import cut
 from mgjax.graph.build import build_graph, joint_weights
 from mgjax.graph.config import GraphConfig
-from mgjax.graph.distance import distance_matrix
+from mgjax.graph.distances.distance import distance_matrix
 from mgjax.graph.plants import planted_frames
 from mgjax.graph.types import NO_CLIP, MotionGraph
 from tests.graph.made import BODY, clip, march, places

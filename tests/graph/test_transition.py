@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mgjax.core.motion import Motion
-from mgjax.graph.distance import normalised_weights
+from mgjax.graph.distances.distance import normalised_weights
 from mgjax.graph.feet import foot_chains
 from mgjax.graph.transition import CHUNK, build_transitions
 from tests.graph.made import BODY, march, places

@@ -28,6 +28,8 @@ from mgjax.core.xla.pytree import register
 
 ROW_BLOCK = 256
 PATH_COMPONENTS = 4
+PATH_SLACK = 2e-7
+"""By how much squared distances may change where paths are shortened, m²."""
 
 
 @register()
@@ -64,9 +66,24 @@ def window_features(
     ``level`` is a height near that of the bodies, the same for both motions that are compared:
     products of full heights would lose digits. Weights sum to 1.
     """
+    return features_about(positions, centre_of(positions, level), weights, window)
+
+
+def centre_of(positions: Float[np.ndarray, "F J 3"], level: float) -> Float[np.ndarray, "3"]:
+    """The mean place of all joints on the floor, at the height ``level``."""
     middle = positions.mean(axis=0, dtype=np.float64).mean(axis=0) * [1, 0, 1] + [0, level, 0]
-    basis = _window_basis(window) / np.sqrt(window)
-    return _features(positions, middle.astype(np.float32), weights, basis.astype(np.float32))
+    return middle.astype(np.float32)
+
+
+def features_about(
+    positions: Float[np.ndarray, "F J 3"],
+    centre: Float[np.ndarray, "3"],
+    weights: Float[np.ndarray, " J"],
+    window: int,
+) -> WindowFeatures:
+    """:func:`window_features` of a part of motions that are compared, about their common centre."""
+    basis = window_basis(window) / np.sqrt(window)
+    return _features(positions, centre, weights, basis.astype(np.float32))
 
 
 @jax.jit
@@ -99,7 +116,7 @@ def _features(
     )
 
 
-def _window_basis(window: int) -> np.ndarray:
+def window_basis(window: int) -> np.ndarray:
     """[W, W − 1] orthonormal polynomials without the constant, lowest degree first."""
     x = np.linspace(-1, 1, window) if window > 1 else np.zeros(1)
     return np.linalg.qr(np.polynomial.legendre.legvander(x, window - 1))[0][:, 1:]
@@ -111,20 +128,22 @@ def trim_paths(a: WindowFeatures, b: WindowFeatures) -> tuple[WindowFeatures, Wi
     Dropping components changes D² by at most 2·|rest of a|·|rest of b|. The centre of a real body
     moves so smoothly that a few components hold all but 2e-7 m² of it; other data keep all.
     """
-    size = a.path.shape[1] // 2
-    if size <= PATH_COMPONENTS:
+    if 2 * path_rest(a) * path_rest(b) > PATH_SLACK:
         return a, b
-    rests = []
-    for features in (a, b):
-        parts = np.asarray(features.path).reshape(-1, 2, size)[..., PATH_COMPONENTS:]
-        rests.append(np.sqrt(np.sum(parts**2, axis=(1, 2)).max(initial=0.0)))
-    if 2 * rests[0] * rests[1] > 2e-7:
-        return a, b
-    return _trim(a), _trim(b)
+    return trim_path(a), trim_path(b)
 
 
-def _trim(features: WindowFeatures) -> WindowFeatures:
+def path_rest(features: WindowFeatures) -> float:
+    """Length of what :func:`trim_path` leaves out of a path, the longest of all windows, m."""
+    parts = np.asarray(features.path).reshape(len(features.spread), 2, -1)[..., PATH_COMPONENTS:]
+    return float(np.sqrt(np.sum(parts**2, axis=(1, 2)).max(initial=0.0)))
+
+
+def trim_path(features: WindowFeatures) -> WindowFeatures:
+    """The features with the slow components of their paths only."""
     size = features.path.shape[1] // 2
+    if size <= PATH_COMPONENTS:
+        return features
     kept = {
         name: np.asarray(getattr(features, name))
         .reshape(-1, 2, size)[..., :PATH_COMPONENTS]

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from mgjax.core.motion import cut
 from mgjax.graph import minima
-from mgjax.graph.distance import normalised_weights
-from mgjax.graph.minima import Minima, find_minima
+from mgjax.graph.distances.distance import normalised_weights
+from mgjax.graph.distances.minima import Minima, find_minima
 from tests.graph.made import march, places
 from tests.reference import graph as reference
 

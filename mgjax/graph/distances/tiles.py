@@ -1,0 +1,124 @@
+"""All pairs of windows, tile by tile: the plain form, for small inputs and as a reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float, UInt8
+
+from mgjax.core.arrays import Array
+from mgjax.graph.distances.axis import Axis
+from mgjax.graph.distances.distance import (
+    WindowFeatures,
+    block_distances,
+    rows_of,
+)
+from mgjax.graph.distances.judge import SLACK, SURE, judge
+
+TILE = 1024
+
+
+@partial(jax.jit, static_argnames=("window", "reach", "thinned"))
+def _tile(
+    features: WindowFeatures,
+    valid: Bool[Array, " R"],
+    leave: Bool[Array, " R"],
+    arrive: Bool[Array, " R"],
+    row: Array,
+    column: Array,
+    limit: Float[Array, ""],
+    slack: Float[Array, ""],
+    *,
+    window: int,
+    reach: int,
+    thinned: int,
+) -> tuple[UInt8[Array, "T T"], Bool[Array, "T T"], Float[Array, "T T"], Float[Array, ""]]:
+    """One tile of pairs: how they are judged, which are lowest of their block, their D², and the
+    largest of all."""
+    size = TILE + 2 * reach
+    of_rows = rows_of(features, row, size, window)
+    of_columns = rows_of(features, column, size, window)
+    squared = jnp.maximum(block_distances(of_rows, of_columns, window), 0.0)
+
+    def pairs(rows: Array, columns: Array) -> Array:
+        return (
+            jax.lax.dynamic_slice_in_dim(rows, row, size)[:, None]
+            & jax.lax.dynamic_slice_in_dim(columns, column, size)[None, :]
+        )
+
+    inner = slice(reach, reach + TILE)
+    largest = jnp.max(jnp.where(pairs(valid, valid), squared, 0.0)[inner, inner])
+    squared = jnp.where(pairs(leave, arrive), squared, jnp.inf)
+    centre = squared[inner, inner]
+    lowest = jnp.zeros(centre.shape, bool)
+    if thinned:
+        lowest = (centre < limit) & _lowest_of_blocks(centre, thinned)
+    flat = jax.lax.optimization_barrier(squared).reshape(-1)
+    judged = judge(flat, size, limit, slack, reach).reshape(size, size)[inner, inner]
+    return judged, lowest, centre, largest
+
+
+def _lowest_of_blocks(squared: Float[Array, "T T"], size: int) -> Bool[Array, "T T"]:
+    """Which are the lowest of their block of ``size`` × ``size`` entries; blocks at the ends may be
+    smaller."""
+    count = -(-TILE // size)
+    pad = count * size - TILE
+    blocks = jnp.pad(squared, (0, pad), constant_values=jnp.inf).reshape(count, size, count, size)
+    lowest = blocks.min(axis=(1, 3))
+    spread = jnp.repeat(jnp.repeat(lowest, size, axis=0), size, axis=1)
+    return squared <= spread[:TILE, :TILE]
+
+
+def search_tiles(
+    axis: Axis,
+    limit: float,
+    *,
+    thinned: int,
+    watched: Callable[[list[tuple[int, int]]], Iterable[tuple[int, int]]],
+) -> tuple[np.ndarray, float]:
+    """Every pair that may be a local minimum, or is the lowest of its block.
+
+    Args:
+        axis: of all clips.
+        limit: m².
+        thinned: side of a block; 0: none.
+        watched: goes through the tiles, and tells how far it is.
+
+    Returns:
+        Rows, columns, judgements and D² (m²), [4, M], and the largest D² of any pair, m². The
+        lowest of a block are ``SURE``.
+    """
+    reach = axis.margin
+    count = axis.tiles(TILE)
+    features = axis.features(0, count * TILE + 2 * reach)
+    valid = np.zeros(len(features.spread), bool)
+    valid[: len(axis)] = axis.valid
+    leave, arrive = axis.masks(TILE)
+    slack = jnp.float32(SLACK * features.spread.max(where=valid, initial=0.0))
+    found = [np.zeros((4, 0))]
+    largest = 0.0
+    for row, column in watched([(i, j) for i in range(count) for j in range(count)]):
+        judged, lowest, squared, highest = _tile(
+            features,
+            jnp.asarray(valid),
+            leave,
+            arrive,
+            jnp.int32(row * TILE),
+            jnp.int32(column * TILE),
+            jnp.float32(min(limit, 1e36)),
+            slack,
+            window=axis.window,
+            reach=reach,
+            thinned=thinned,
+        )
+        largest = max(largest, float(highest))
+        values = np.where(lowest, SURE, np.asarray(judged))
+        r, c = np.nonzero(values)
+        squares = np.asarray(squared)[r, c]
+        place = r + row * TILE + reach, c + column * TILE + reach
+        found.append(np.stack([*place, values[r, c], squares]))
+    return np.concatenate(found, axis=1), largest
