@@ -24,8 +24,8 @@ from mgjax.graph.assemble import assemble
 from mgjax.graph.blending.alignment import same_support
 from mgjax.graph.config import GraphConfig, validate_graph_config
 from mgjax.graph.distances.distance import normalised_weights
-from mgjax.graph.feet import foot_chains
 from mgjax.graph.distances.minima import Minima, find_minima
+from mgjax.graph.feet import foot_chains
 from mgjax.graph.parts.connectivity import connectivity
 from mgjax.graph.parts.margins import allowed_windows
 from mgjax.graph.prune import (

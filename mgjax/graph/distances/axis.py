@@ -53,7 +53,6 @@ class Axis:
         leave[: len(self)], arrive[: len(self)] = self.leave, self.arrive
         return jnp.asarray(leave), jnp.asarray(arrive)
 
-
     def features(self, first: int, count: int) -> WindowFeatures:
         """Features of the entries ``first … first + count − 1``; what lies beyond is not valid."""
         size = count + self.window - 1

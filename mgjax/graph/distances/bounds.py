@@ -47,7 +47,7 @@ BLOCK = 32
 """Side of the blocks of pairs that are opened or not."""
 
 
-def project(axis: Axis, size: int, tile: int) -> tuple[Float[np.ndarray, "K R"], float]:
+def project(axis: Axis, size: int, tile: int) -> tuple[Float[np.ndarray, "C R"], float]:
     """What the bounds need of each entry of an axis.
 
     Args:
@@ -96,7 +96,7 @@ def _components(
     mean = level.mean(axis=0)
     lead = _leading(whole, FLAT)
     return (
-        np.stack([lead.real, lead.imag]).astype(np.float32),
+        np.stack([np.real(lead), np.imag(lead)]).astype(np.float32),
         _leading(level - mean, RISE).astype(np.float32),
         mean.astype(np.float32),
     )
@@ -124,7 +124,7 @@ def _project(
     mean: Float[Array, " Y"],
     *,
     window: int,
-) -> Float[Array, "K R"]:
+) -> Float[Array, "C R"]:
     count = features.spread.shape[0]
 
     def slide(values: Array) -> Array:
@@ -137,7 +137,7 @@ def _project(
             jnp.split(features.xz, 2, axis=1), jnp.split(features.path, 2, axis=1), strict=True
         )
     )
-    y = slide(features.y) - mean
+    y = slide(features.y) - mean[None]
     real, imaginary = x @ flat[0] - z @ flat[1], x @ flat[1] + z @ flat[0]
     high = y @ rise
     whole, heights = (x * x + z * z).sum(axis=1), (y * y).sum(axis=1)
@@ -146,14 +146,12 @@ def _project(
         for total, parts in ((heights, [high]), (whole, [real, imaginary]))
     ]
     left = [jnp.sqrt(jnp.maximum(rest, 0.0) + _ROUNDING)[:, None] for rest in rests]
-    return jnp.concatenate(
-        [real, imaginary, high, *left, (whole + heights)[:, None]], axis=1
-    ).T
+    return jnp.concatenate([real, imaginary, high, *left, (whole + heights)[:, None]], axis=1).T
 
 
 @partial(jax.jit, static_argnames=("tile",))
 def open_blocks(
-    rows: Float[Array, "K R"], first: Array, second: Array, limit: Float[Array, ""], *, tile: int
+    rows: Float[Array, "C R"], first: Array, second: Array, limit: Float[Array, ""], *, tile: int
 ) -> Bool[Array, "B B"]:
     """Which blocks of ``BLOCK`` × ``BLOCK`` pairs may have a distance below a limit.
 

@@ -1,7 +1,6 @@
-"""Squared distances of single pairs of windows in float64: what float32 cannot tell is told here."""
+"""Squared distances of single pairs of windows in float64, where float32 cannot tell."""
 
 from __future__ import annotations
-
 
 import jax
 import jax.numpy as jnp
@@ -40,9 +39,7 @@ def exact_squared(
 
 
 @jax.jit
-def _squared(
-    windows: Float[Array, "2 N W J 3"], weights: Float[Array, " J"]
-) -> Float[Array, " N"]:
+def _squared(windows: Float[Array, "2 N W J 3"], weights: Float[Array, " J"]) -> Float[Array, " N"]:
     places = windows.astype(jnp.float64)
     share = weights / places.shape[2]
     floor = places[..., ::2]

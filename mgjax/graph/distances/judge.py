@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import reduce
 
 import jax.numpy as jnp
 import numpy as np
@@ -19,36 +21,29 @@ NO, MAYBE, SURE = 0, 1, 2
 
 
 def judge(
-    squared: Float[Array, " P"],
-    columns: int,
+    centre: Float[Array, "*n"],
+    others: Sequence[Float[Array, "*n"]],
     limit: Float[Array, ""],
     slack: Float[Array, ""],
-    reach: int,
-) -> UInt8[Array, " P"]:
+) -> UInt8[Array, "*n"]:
     """Whether pairs are local minima below ``limit``: ``NO``, ``MAYBE`` or ``SURE``.
 
     Args:
-        squared: D² row by row, beyond the limit where a pair is not allowed. In one line, for a neighbour
-            is then a shift of all of it; of slices of short rows the compiler makes slow code.
-        columns: in a row.
+        centre: D², beyond the limit where a pair is not allowed, m².
+        others: D² of their neighbours.
         limit: m².
         slack: values nearer to each other than this may be in either order, m².
-        reach: pairs so many rows and columns away are compared. What is nearer to the border than
-            this is judged by what happens to lie there, and means nothing.
     """
-    first = reach * (columns + 1)
-    size = squared.shape[0] - 2 * first
-    around = None
-    for i in range(-reach, reach + 1):
-        for j in range(-reach, reach + 1):
-            if (i, j) != (0, 0):
-                start = first + i * columns + j
-                other = squared[start : start + size]
-                around = other if around is None else jnp.minimum(around, other)
-    centre = squared[first : first + size]
+    around = reduce(jnp.minimum, others)
     maybe = (centre - slack <= around) & (centre < limit + slack)
     sure = maybe & (centre + slack < around) & (centre < limit - slack)
-    return jnp.pad(maybe.astype(jnp.uint8) + sure.astype(jnp.uint8), first)
+    return maybe.astype(jnp.uint8) + sure.astype(jnp.uint8)
+
+
+def neighbours(reach: int) -> list[tuple[int, int]]:
+    """Rows and columns from a pair to each of those it is compared with."""
+    steps = range(-reach, reach + 1)
+    return [(i, j) for i in steps for j in steps if (i, j) != (0, 0)]
 
 
 def settle(
@@ -58,23 +53,19 @@ def settle(
 
     A tie goes to the lowest (row, column).
     """
-    reach = axis.margin
     # A window and itself are at distance 0, as are those before them: no need to look closer.
     led = (rows == columns) & axis.leave[rows - 1] & axis.arrive[columns - 1]
     centre = np.full(len(rows), np.inf)
     centre[~led] = exact_squared(axis, rows[~led], columns[~led])
     kept = np.flatnonzero(centre < limit)
-    for i in range(-reach, reach + 1):
-        for j in range(-reach, reach + 1):
-            if (i, j) == (0, 0) or not len(kept):
-                continue
-            r, c = rows[kept] + i, columns[kept] + j
-            lost = np.zeros(len(kept), bool)
-            allowed = axis.leave[r] & axis.arrive[c]
-            other = exact_squared(axis, r[allowed], c[allowed])
-            own = centre[kept[allowed]]
-            lost[allowed] = other <= own if (i, j) < (0, 0) else other < own
-            kept = kept[~lost]
+    for i, j in neighbours(axis.margin):
+        r, c = rows[kept] + i, columns[kept] + j
+        lost = np.zeros(len(kept), bool)
+        allowed = axis.leave[r] & axis.arrive[c]
+        other = exact_squared(axis, r[allowed], c[allowed])
+        own = centre[kept[allowed]]
+        lost[allowed] = other <= own if (i, j) < (0, 0) else other < own
+        kept = kept[~lost]
     out = np.full(len(rows), np.inf)
     out[kept] = centre[kept]
     return out

@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 from tqdm import tqdm
 
+from mgjax.core.errors import ConfigError
 from mgjax.graph.distances.axis import make_axis
 from mgjax.graph.distances.judge import MAYBE, settle
 from mgjax.graph.distances.pruned import search_pruned
@@ -73,6 +74,9 @@ def find_minima(
             neither blocks nor an infinite threshold. ``"auto"``: bounds where there is much.
         progress: shows a bar on stderr.
         watch: told the share of the work that is done.
+
+    Raises:
+        ConfigError: a pruned search for what bounds do not serve.
     """
     axis = make_axis(
         positions,
@@ -96,6 +100,11 @@ def find_minima(
             yield tile
 
     can = np.isfinite(limit) and not thinned
+    if search == "pruned" and not can:
+        what = "blocks" if thinned else "an infinite threshold"
+        raise ConfigError(
+            got=f"a pruned search for {what}", expected="a finite threshold, no blocks"
+        )
     largest = 0.0
     if search == "pruned" or (search == "auto" and can and len(positions) > _SMALL):
         found = search_pruned(axis, limit, watched=watched)

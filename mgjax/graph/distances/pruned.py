@@ -25,7 +25,7 @@ from mgjax.graph.distances.distance import (
     block_distances,
     rows_of,
 )
-from mgjax.graph.distances.judge import SLACK, judge
+from mgjax.graph.distances.judge import SLACK, judge, neighbours
 
 TILE = 2048
 """Side of the tiles whose blocks are bounded together; a multiple of BLOCK."""
@@ -52,8 +52,8 @@ def _blocks(
     window: int,
     reach: int,
 ) -> tuple[UInt8[Array, " P"], Float[Array, " P"]]:
-    """The first ``count`` blocks of pairs with their margins, judged, and their D²; see
-    :func:`judge`. P = N · (BLOCK + 2 reach)².
+    """The first ``count`` blocks of pairs with their margins, judged, and their D²;
+    P = N · (BLOCK + 2 reach)².
 
     ``numbers``: of the blocks, by rows and by columns.
     """
@@ -67,7 +67,12 @@ def _blocks(
 
     room = jnp.full((numbers.shape[1], size, size), _FAR, jnp.float32)
     flat = jax.lax.fori_loop(0, count, one, room).reshape(-1)
-    return judge(flat, size, limit, slack, reach), flat
+    # In one line a neighbour is a shift of all of it; of short rows the compiler makes slow code.
+    # What is nearer to the border than ``reach`` is judged by what happens to lie there.
+    first = reach * (size + 1)
+    inner = flat.shape[0] - 2 * first
+    shifted = [flat[first + i * size + j :][:inner] for i, j in [(0, 0), *neighbours(reach)]]
+    return jnp.pad(judge(shifted[0], shifted[1:], limit, slack), first), flat
 
 
 @dataclass(frozen=True)
@@ -102,7 +107,7 @@ class _Tiles:
         reach, count = self.axis.margin, self.size // BLOCK
         differ = self.allowed(number, True) != self.allowed(number, False)
         windows = np.lib.stride_tricks.sliding_window_view(differ, BLOCK + 2 * reach)
-        return ~windows[:: BLOCK][:count].any(axis=1)
+        return ~windows[::BLOCK][:count].any(axis=1)
 
 
 def search_pruned(
@@ -168,7 +173,11 @@ def search_pruned(
         alike = tiles.alike(first)[:, None] & tiles.alike(second)[None, :]
         diagonal = np.eye(len(opened), dtype=bool) & (first == second)
         # A block on the diagonal has both halves in it already.
-        once, twice, still = opened & alike & ~diagonal, opened & ~alike & ~diagonal, opened & diagonal
+        once, twice, still = (
+            opened & alike & ~diagonal,
+            opened & ~alike & ~diagonal,
+            opened & diagonal,
+        )
         chosen = [np.stack(np.nonzero(x)).astype(np.int32) for x in (once, twice, still)]
         both = compare(first, second, chosen[0], True)
         return np.concatenate(

@@ -17,12 +17,12 @@ from mgjax.graph.distances.distance import (
     block_distances,
     rows_of,
 )
-from mgjax.graph.distances.judge import SLACK, SURE, judge
+from mgjax.graph.distances.judge import NO, SLACK, SURE, judge, neighbours
 
 TILE = 1024
 
 
-@partial(jax.jit, static_argnames=("window", "reach", "thinned"))
+@partial(jax.jit, static_argnames=("window", "reach", "thinned", "measured"))
 def _tile(
     features: WindowFeatures,
     valid: Bool[Array, " R"],
@@ -36,8 +36,9 @@ def _tile(
     window: int,
     reach: int,
     thinned: int,
-) -> tuple[UInt8[Array, "T T"], Bool[Array, "T T"], Float[Array, "T T"], Float[Array, ""]]:
-    """One tile of pairs: how they are judged, which are lowest of their block, their D², and the
+    measured: bool,
+) -> tuple[UInt8[Array, "T T"], Float[Array, "T T"], Float[Array, ""]]:
+    """One tile of pairs: how they are judged, their D², and if it is to be ``measured`` the
     largest of all."""
     size = TILE + 2 * reach
     of_rows = rows_of(features, row, size, window)
@@ -51,15 +52,20 @@ def _tile(
         )
 
     inner = slice(reach, reach + TILE)
-    largest = jnp.max(jnp.where(pairs(valid, valid), squared, 0.0)[inner, inner])
+    largest = jnp.float32(0.0)
+    if measured:
+        largest = jnp.max(jnp.where(pairs(valid, valid), squared, 0.0)[inner, inner])
     squared = jnp.where(pairs(leave, arrive), squared, jnp.inf)
     centre = squared[inner, inner]
-    lowest = jnp.zeros(centre.shape, bool)
+    others = [
+        squared[reach + i : reach + i + TILE, reach + j : reach + j + TILE]
+        for i, j in neighbours(reach)
+    ]
+    judged = judge(centre, others, limit, slack)
     if thinned:
         lowest = (centre < limit) & _lowest_of_blocks(centre, thinned)
-    flat = jax.lax.optimization_barrier(squared).reshape(-1)
-    judged = judge(flat, size, limit, slack, reach).reshape(size, size)[inner, inner]
-    return judged, lowest, centre, largest
+        judged = jnp.where(lowest, jnp.uint8(SURE), judged)
+    return judged, centre, largest
 
 
 def _lowest_of_blocks(squared: Float[Array, "T T"], size: int) -> Bool[Array, "T T"]:
@@ -89,7 +95,8 @@ def search_tiles(
         watched: goes through the tiles, and tells how far it is.
 
     Returns:
-        Rows, columns, judgements and D² (m²), [4, M], and the largest D² of any pair, m². The
+        Rows, columns, judgements and D² (m²), [4, M], and the largest D² of any pair
+        (m²) where the limit is infinite. The
         lowest of a block are ``SURE``.
     """
     reach = axis.margin
@@ -102,7 +109,7 @@ def search_tiles(
     found = [np.zeros((4, 0))]
     largest = 0.0
     for row, column in watched([(i, j) for i in range(count) for j in range(count)]):
-        judged, lowest, squared, highest = _tile(
+        judged, squared, highest = _tile(
             features,
             jnp.asarray(valid),
             leave,
@@ -114,11 +121,11 @@ def search_tiles(
             window=axis.window,
             reach=reach,
             thinned=thinned,
+            measured=bool(np.isinf(limit)),
         )
         largest = max(largest, float(highest))
-        values = np.where(lowest, SURE, np.asarray(judged))
-        r, c = np.nonzero(values)
-        squares = np.asarray(squared)[r, c]
-        place = r + row * TILE + reach, c + column * TILE + reach
-        found.append(np.stack([*place, values[r, c], squares]))
+        r, c = np.nonzero(np.asarray(judged) != NO)
+        place = [r + row * TILE + reach, c + column * TILE + reach]
+        values = [np.asarray(judged)[r, c], np.asarray(squared)[r, c]]
+        found.append(np.stack([x.astype(float) for x in (*place, *values)]))
     return np.concatenate(found, axis=1), largest

@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 
 from mgjax.core import planar
 from mgjax.core.errors import ConfigError
-from mgjax.graph import distance
+from mgjax.graph.distances import distance
 from mgjax.graph.distances.distance import distance_matrix
 from tests.graph.made import march, places
 from tests.reference import graph as reference

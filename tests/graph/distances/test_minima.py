@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mgjax.core.motion import cut
-from mgjax.graph import minima
+from mgjax.graph.distances import tiles
 from mgjax.graph.distances.distance import normalised_weights
 from mgjax.graph.distances.minima import Minima, find_minima
 from tests.graph.made import march, places
@@ -21,13 +21,15 @@ SLACK = 4e-6
 @pytest.fixture(params=[16, 23, 1024])
 def tile(request, monkeypatch) -> Iterator[int]:
     """Tiles so small that clips and neighbourhoods cross their borders, and the usual ones."""
-    minima._tile.clear_cache()
-    monkeypatch.setattr(minima, "TILE", request.param)
+    tiles._tile.clear_cache()
+    monkeypatch.setattr(tiles, "TILE", request.param)
     yield request.param
-    minima._tile.clear_cache()
+    tiles._tile.clear_cache()
 
 
-def search(clips: list[np.ndarray], *, window=5, neighbourhood=1, threshold=np.inf) -> Minima:
+def search(
+    clips: list[np.ndarray], *, window=5, neighbourhood=1, threshold=np.inf, **settings
+) -> Minima:
     stops = np.cumsum([len(c) for c in clips])
     return find_minima(
         np.concatenate(clips).astype(np.float32),
@@ -37,6 +39,7 @@ def search(clips: list[np.ndarray], *, window=5, neighbourhood=1, threshold=np.i
         window=window,
         neighbourhood=neighbourhood,
         threshold=threshold,
+        **settings,
     )
 
 
@@ -111,13 +114,13 @@ def test_clips_shorter_than_the_window_or_exactly_as_long(tile):
 
 def test_every_length_of_the_axis(monkeypatch):
     """Also where the last frames and the gap after them lie on both sides of a tile's border."""
-    minima._tile.clear_cache()
-    monkeypatch.setattr(minima, "TILE", 16)
+    tiles._tile.clear_cache()
+    monkeypatch.setattr(tiles, "TILE", 16)
     long = march(60, seed=1, period=9, noise=0.05)
     for frames in range(20, 37):
         clip = places(cut(long, 0, frames))
         check([clip], window=3, neighbourhood=3, threshold=0.1)
-    minima._tile.clear_cache()
+    tiles._tile.clear_cache()
 
 
 def test_neighbourhoods_end_with_the_clip():

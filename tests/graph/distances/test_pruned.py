@@ -1,0 +1,179 @@
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mgjax.clips.folder import load_clips
+from mgjax.core.errors import ConfigError
+from mgjax.graph.build import joint_weights
+from mgjax.graph.config import GraphConfig
+from mgjax.graph.distances import bounds, pruned
+from mgjax.graph.distances.axis import Axis, make_axis
+from mgjax.graph.distances.distance import normalised_weights
+from mgjax.graph.distances.exact import exact_squared
+from mgjax.graph.distances.minima import Minima, find_minima
+from mgjax.graph.timeline import make_timeline
+from tests.graph.distances.test_minima import marches, search, steps
+from tests.reference import graph as reference
+
+SIDE = 64
+"""Of tiles so small that a few hundred frames have several."""
+
+
+@pytest.fixture(autouse=True)
+def small_tiles(monkeypatch) -> None:
+    monkeypatch.setattr(pruned, "TILE", SIDE)
+
+
+def same(one: Minima, other: Minima) -> int:
+    """The same pairs at the same distances; how many."""
+    pairs = [list(zip(m.rows.tolist(), m.columns.tolist(), strict=True)) for m in (one, other)]
+    assert set(pairs[0]) == set(pairs[1])
+    assert len(set(pairs[0])) == len(pairs[0]) == len(pairs[1])
+    near = [
+        dict(zip(p, m.distances, strict=True)) for p, m in zip(pairs, (one, other), strict=True)
+    ]
+    for pair, distance in near[0].items():
+        assert distance**2 == pytest.approx(near[1][pair] ** 2, abs=2e-6)
+    return len(pairs[0])
+
+
+def both(clips: list[np.ndarray], **settings) -> int:
+    return same(*(search(clips, search=way, **settings) for way in ("all", "pruned")))
+
+
+@pytest.mark.parametrize("neighbourhood", [1, 3])
+@pytest.mark.parametrize("threshold", [0.01, 0.05, 0.15, 3.0])
+def test_the_minima_of_all_pairs(threshold, neighbourhood):
+    count = both(marches(150, 4, 90, 61), threshold=threshold, neighbourhood=neighbourhood)
+    assert count > (3 if threshold > 0.01 else 0)
+
+
+def test_where_windows_may_not_be_used():
+    clips = marches(150, 80)
+    rng = np.random.default_rng(3)
+    masks = {name: rng.random(230) < 0.8 for name in ("leave", "arrive")}
+    masks["leave"][40:120] = True  # blocks with and without a difference
+    masks["arrive"][40:120] = True
+    assert both(clips, threshold=0.15, **masks) > 20
+
+
+def test_of_noise():
+    rng = np.random.default_rng(1)
+    clips = [rng.normal(scale=0.4, size=(n, 3, 3)).astype(np.float32) for n in (70, 130)]
+    assert both(clips, threshold=0.6, window=2) > 5
+
+
+LEVELS = st.lists(st.integers(0, 3), min_size=40, max_size=40)
+
+
+@given(LEVELS, LEVELS)
+def test_ties(a, b):
+    """Exact ties everywhere, in both halves of the matrix and across the borders of blocks."""
+    found = search([steps(a), steps(b)], window=1, threshold=1.5, search="pruned")
+    whole = np.array(a + b, float)
+    for i in (0, 40):
+        for j in (0, 40):
+            matrix = np.abs(np.subtract.outer(whole[i : i + 40], whole[j : j + 40])) ** 2
+            here = {
+                (r - i, c - j)
+                for r, c in zip(found.rows.tolist(), found.columns.tolist(), strict=True)
+                if i <= r < i + 40 and j <= c < j + 40
+            }
+            assert here == set(reference.minima(matrix, 1, 1.5))
+
+
+def test_motion_that_repeats_and_stands():
+    """Copies of a clip, and stillness: whole diagonals and basins are ties."""
+    one = marches(90)[0]
+    still = np.repeat(one[:1], 50, axis=0)
+    assert both([one, still, one + np.float32([3, 0, 1]), one], threshold=0.1) > 5
+
+
+def axis_of(clips: list[np.ndarray], window: int = 5) -> Axis:
+    stops = np.cumsum([len(c) for c in clips])
+    return make_axis(
+        np.concatenate(clips),
+        stops - [len(c) for c in clips],
+        stops,
+        normalised_weights(None, clips[0].shape[1]),
+        window=window,
+        margin=1,
+        leave=None,
+        arrive=None,
+    )
+
+
+def test_single_pairs_against_the_reference():
+    clips = marches(30, 20)
+    axis = axis_of(clips)
+    matrix = reference.distance_matrix(clips[0], clips[1], 5)
+    rows, columns = (x.ravel() for x in np.indices(matrix.shape))
+    own = exact_squared(axis, rows + 1, columns + 32)
+    np.testing.assert_allclose(own, matrix.ravel(), atol=1e-11)
+    np.testing.assert_array_equal(own, exact_squared(axis, columns + 32, rows + 1))
+
+
+def test_no_block_is_closed_that_has_a_pair_below():
+    clips = marches(200, 120)
+    axis = axis_of(clips)
+    side = 320 + 64
+    projected, longest = bounds.project(axis, side, 64)
+    valid = np.flatnonzero(axis.valid)
+    r, c = (x.ravel() for x in np.meshgrid(valid, valid, indexing="ij"))
+    squared = np.full((side, side), np.inf)
+    squared[r, c] = exact_squared(axis, r, c)
+    assert longest > 0.01
+    closed = 0
+    for limit in (0.02**2, 0.08**2, 0.2**2):
+        opened = np.asarray(
+            bounds.open_blocks(
+                jnp.asarray(projected), jnp.int32(0), jnp.int32(0), jnp.float32(limit), tile=side
+            )
+        )
+        count = side // bounds.BLOCK
+        below = squared.reshape(count, bounds.BLOCK, count, bounds.BLOCK).min(axis=(1, 3)) < limit
+        assert not (below & ~opened).any()
+        closed += int((~opened).sum())
+    assert closed > count  # not all are left open
+
+
+def test_few_joints_and_frames_have_fewer_components():
+    clips = [
+        np.cumsum(np.full((80, 1, 3), 0.01, np.float32), axis=0),
+        np.zeros((50, 1, 3), np.float32),
+    ]
+    assert both(clips, window=1, threshold=0.5) >= 1
+
+
+def test_all_minima_need_all_pairs():
+    with pytest.raises(ConfigError, match="infinite"):
+        search(marches(20), search="pruned")
+
+
+def test_real_capture(capture):
+    clips, _ = load_clips(capture / "avoidance", exclude=["bvh_converted/*", "cmu49/*"])
+    clips = clips[:4]
+    timeline, _ = make_timeline(clips, {}, clips[0].skeleton, GraphConfig())
+    window = slice(0, 900)
+    stops = np.minimum(timeline.stops, 900)
+    used = timeline.starts < 900
+    weights = joint_weights(timeline.skeleton, "uniform")
+    for threshold in (0.05, 0.13, 0.2):
+        found = [
+            find_minima(
+                timeline.positions[window],
+                timeline.starts[used],
+                stops[used],
+                weights,
+                window=10,
+                neighbourhood=1,
+                threshold=threshold,
+                search=way,
+            )
+            for way in ("all", "pruned")
+        ]
+        assert same(*found) > 0
