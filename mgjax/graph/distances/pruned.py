@@ -9,13 +9,13 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache, partial
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float, Int, UInt8
+from jaxtyping import Float, Int, UInt8
 
 from mgjax.core.arrays import Array
 from mgjax.graph.distances.axis import Axis
@@ -75,39 +75,30 @@ def _blocks(
     return jnp.pad(judge(shifted[0], shifted[1:], limit, slack), first), flat
 
 
-@dataclass(frozen=True)
-class _Tiles:
-    """Features of tiles of an axis, in which what is not allowed is far from everything."""
+def _allowed(axis: Axis, number: int, *, rows: bool) -> np.ndarray:
+    """Which entries of a tile count as rows, or as columns. [TILE + 2 reach]"""
+    mask, size = axis.leave if rows else axis.arrive, TILE + 2 * axis.margin
+    known = mask[number * TILE : number * TILE + size]
+    return np.pad(known, (0, size - len(known)))
 
-    axis: Axis
-    size: int
 
-    def __post_init__(self) -> None:
-        keep = lru_cache(maxsize=_TILES_KEPT)
-        object.__setattr__(self, "features", keep(self.features))
+def _features(axis: Axis, number: int) -> tuple[WindowFeatures, WindowFeatures]:
+    """Of a tile as rows and as columns; what is not allowed there is far from everything."""
+    plain = axis.features(number * TILE, TILE + 2 * axis.margin)
+    plain = jax.tree.map(jnp.asarray, plain)
+    masks = [_allowed(axis, number, rows=rows) for rows in (True, False)]
+    rows, columns = (
+        replace(plain, spread=jnp.where(mask, plain.spread, jnp.float32(_FAR))) for mask in masks
+    )
+    return rows, columns
 
-    def allowed(self, number: int, rows: bool) -> Bool[np.ndarray, " T"]:
-        """Which entries count as rows, or as columns."""
-        mask = self.axis.leave if rows else self.axis.arrive
-        known = mask[number * self.size : (number + 1) * self.size + 2 * self.axis.margin]
-        return np.pad(known, (0, self.size + 2 * self.axis.margin - len(known)))
 
-    def features(self, number: int) -> dict[bool, WindowFeatures]:
-        """As rows, and as columns."""
-        plain = self.axis.features(number * self.size, self.size + 2 * self.axis.margin)
-        plain = jax.tree.map(jnp.asarray, plain)
-        spreads = {
-            rows: jnp.where(self.allowed(number, rows), plain.spread, _FAR)
-            for rows in (True, False)
-        }
-        return {rows: replace(plain, spread=spread) for rows, spread in spreads.items()}
-
-    def alike(self, number: int) -> Bool[np.ndarray, " B"]:
-        """Blocks whose entries count as rows where they count as columns."""
-        reach, count = self.axis.margin, self.size // BLOCK
-        differ = self.allowed(number, True) != self.allowed(number, False)
-        windows = np.lib.stride_tricks.sliding_window_view(differ, BLOCK + 2 * reach)
-        return ~windows[::BLOCK][:count].any(axis=1)
+def _alike(axis: Axis, number: int) -> np.ndarray:
+    """Blocks of a tile whose entries count as rows where they count as columns. [TILE / BLOCK]"""
+    rows, columns = (_allowed(axis, number, rows=rows) for rows in (True, False))
+    size = BLOCK + 2 * axis.margin
+    firsts = range(0, TILE, BLOCK)
+    return np.array([np.array_equal(rows[k : k + size], columns[k : k + size]) for k in firsts])
 
 
 def search_pruned(
@@ -134,12 +125,12 @@ def search_pruned(
     # Bounds begin behind the margin, where the first block does.
     projected, longest = project(axis, count * TILE + reach, TILE)
     bounds = jnp.asarray(projected[:, reach:])
-    tiles = _Tiles(axis, TILE)
+    features = lru_cache(maxsize=_TILES_KEPT)(partial(_features, axis))
 
     def compare(first: int, second: int, numbers: np.ndarray, rows: bool) -> np.ndarray:
         """Pairs of blocks: as rows and columns, or as columns and rows. [4, M]"""
         found = [np.zeros((4, 0))]
-        a, b = tiles.features(first)[rows], tiles.features(second)[not rows]
+        a, b = features(first)[not rows], features(second)[rows]
         for begin in range(0, numbers.shape[1], _CHUNK):
             part = numbers[:, begin : begin + _CHUNK]
             judged, squared = (
@@ -170,7 +161,7 @@ def search_pruned(
         opened = np.asarray(open_blocks(bounds, *places, jnp.float32(limit), tile=TILE))
         if first == second:
             opened = np.triu(opened)
-        alike = tiles.alike(first)[:, None] & tiles.alike(second)[None, :]
+        alike = _alike(axis, first)[:, None] & _alike(axis, second)[None, :]
         diagonal = np.eye(len(opened), dtype=bool) & (first == second)
         # A block on the diagonal has both halves in it already.
         once, twice, still = (
