@@ -57,10 +57,9 @@ def synthetic_clips(
     """
     if not 1 <= frame_rate <= 10000:
         raise MotionError(f"frame rate is {frame_rate}, expected 1 … 10000 per second")
-    rng = np.random.default_rng(seed)
     scores: dict[str, Score] = {}
-    for name, script in SCRIPTS.items():
-        score = scores[name] = Score(rng=rng)
+    for number, (name, script) in enumerate(SCRIPTS.items()):
+        score = scores[name] = Score(rng=np.random.default_rng([seed, number]))
         for line in script.split(";"):
             verb, *words = line.split()
             VERBS[verb](score, *words)

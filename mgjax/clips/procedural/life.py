@@ -59,8 +59,8 @@ def swing_arms(c: dict[str, np.ndarray], base: np.ndarray, t: np.ndarray, smooth
     forward = push(ahead) + over[0] * sin + over[1] * cos
     left = push(aside) + over[0] * cos - over[1] * sin
     fade = ease(t / 0.4) * ease((t[-1] - t) / 0.8)
-    thrown = fade * _pendulum(forward, rate)
-    out = fade * _pendulum(left, rate)
+    thrown = fade * pendulum(forward, rate)
+    out = fade * pendulum(left, rate)
     apart = np.sqrt(out**2 + 0.0009) - 0.03
     afloat = fade * smooth(np.clip(-push(c["up"]), -2.0, 8.0), 0.06) * _FLOAT
     for side, sign in (("l", 1), ("r", -1)):
@@ -69,8 +69,16 @@ def swing_arms(c: dict[str, np.ndarray], base: np.ndarray, t: np.ndarray, smooth
         c[f"open_{side}"] += 0.5 * (sign * out + apart) + _SPREAD * apart + afloat
 
 
-def _pendulum(push: np.ndarray, rate: float) -> np.ndarray:
-    """The angle of a loosely hanging arm whose shoulder is pushed, rad; semi-implicit Euler."""
+def pendulum(push: np.ndarray, rate: float) -> np.ndarray:
+    """The angle of a loosely hanging arm, from rest, whose shoulder is pushed.
+
+    Args:
+        push: acceleration of the shoulder, m/s². [F]
+        rate: steps per second, well above the arm's 1.2 Hz.
+
+    Returns:
+        The angle against the push, rad: the arm lags. [F]
+    """
     step = 1 / rate
     w, z = _ARM_RAD_S, _ARM_DAMPING
     # v' = v + h (−a / L − 2 z w v − w² x);  x' = x + h v', as one recursion in x.

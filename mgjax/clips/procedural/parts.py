@@ -15,7 +15,7 @@ from mgjax.core.arrays import Array
 
 _TABLE = """
 duck       up -.22 -.34  fore -.08 -.11  pitch 15 23  bend 32 46  knees 6 10  heel 2 10  lean -3 3
-           flex 26 48  elbow 55 90  turn -14 -6  open 2 10  nod -8 -2  rise .38 .46  hold .05 .18
+           flex 26 48  elbow 58 90  turn -14 -6  open 2 10  nod -8 -2  rise .38 .46  hold .05 .18
            fall .46 .58
 slip       up -.18 -.26  fore -.05 -.08  side .03 .05  pitch 10 15  bend 24 34  lean 18 26  roll 3 6
            twist 10 20  knees 4 8  flex 24 40  elbow 60 88  open 2 8  rise .34 .42  hold .05 .16
@@ -30,7 +30,8 @@ twist      twist 52 64  yaw 10 16  bend -6 -2  up -.03 -.07  side -.02 -.03  elb
            fall .46 .54
 crouch     up -.46 -.52  fore -.12 -.15  pitch 24 28  bend 48 56  knees 16 22  heel 20 26
            flex 36 55  elbow 60 85  turn -12 -4  open 8 16  rise .46 .53  hold .10 .18  fall .50 .56
-sidestep   up -.05 -.09  elbow 26 48  open 6 12  lean -3 -9  bend 4 12  twist -8 8
+sidestep   up -.05 -.09  elbow_l 26 48  elbow_r 35 60  open_l 8 18  open_r 14 28  lean -5 -12
+           roll 2 4  bend 4 12  twist -10 6  flex -6 14
            rise .28 .34  hold .16 .22  fall .46 .54
 backstep   up -.05 -.09  elbow 30 55  open 8 16  bend 8 18  pitch 2 6  flex 12 30
            rise .28 .34  hold .16 .22  fall .46 .54

@@ -13,7 +13,7 @@ from mgjax.core.arrays import Array
 
 _GLANCES = 0.5
 """How often a character that stands for a while looks aside or puts its weight on one leg."""
-_WALKING = {"duck": 0.8, "slip": 0.8, "sway": 0.7, "twist": 0.7, "lean_back": 0.65}
+_WALKING = {"duck": 0.8, "slip": 0.95, "sway": 0.7, "twist": 0.7, "lean_back": 0.65}
 """Share of a part's deviations while walking."""
 
 
