@@ -28,7 +28,7 @@ lean_back  pitch -19 -23  bend -42 -51  fore .06 .08  up -.10 -.14  heel 3 8  op
 twist      twist 52 64  yaw 10 16  bend -6 -2  up -.03 -.07  side -.02 -.03  elbow_l 45 65
            elbow_r 35 55  flex_r 15 25  flex_l -14 -4  open_l 8 16  rise .31 .37  hold .05 .16
            fall .46 .54
-crouch     up -.46 -.52  fore -.12 -.15  pitch 24 28  bend 48 56  knees 16 22  heel 20 26
+crouch     up -.48 -.53  fore -.12 -.15  pitch 24 28  bend 48 56  knees 16 22  heel 20 26
            flex 36 55  elbow 60 85  turn -12 -4  open 8 16  rise .46 .53  hold .10 .18  fall .50 .56
 sidestep   up -.05 -.09  elbow_l 26 48  elbow_r 35 60  open_l 8 18  open_r 14 28  lean -5 -12
            roll 2 4  bend 4 12  twist -10 6  flex -6 14
