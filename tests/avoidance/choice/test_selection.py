@@ -171,7 +171,7 @@ def test_the_least_energy_that_passes_wins(any_graph: MotionGraph, answers: list
                 played = continue_clear(prepared_for(any_graph, QUICK).posed, attack, walk, QUICK)
                 assert played.clear_until is not None or played.clearance < CLEAR_M
         looked_at += 1
-        assert chosen.candidates == len(candidates.length)
+        assert chosen.candidates == len(candidates.length) + candidates.overflow
         counts = [int((values["status"] == s).sum()) for s in (NOT_ADJUSTABLE, OUT_OF_RANGE)]
         assert counts == [chosen.dropped.not_adjustable, chosen.dropped.time_scale]
     assert looked_at >= 10
