@@ -21,7 +21,7 @@ from mgjax.core.motion import Motion
 
 __all__ = ["synthetic_clips", "synthetic_skeleton"]
 
-TOTAL_S = 205.0
+TOTAL_S = 208.0
 _FINE_HZ = 120.0
 """Trajectories are made on a grid at least this fine, then every n-th point is a frame."""
 _EDGE_S = 0.6
@@ -43,7 +43,7 @@ _IDLE = {"side": 0.010, "fore": 0.006, **_IDLE_TORSO, **_IDLE_ARMS}
 def synthetic_clips(
     *, seed: int = 0, frame_rate: float = 30.0
 ) -> tuple[list[Clip], dict[str, tuple[Label, ...]]]:
-    """A procedural motion set of 205 s with labelled avoidance, the same for the same seed.
+    """A procedural motion set of 208 s with labelled avoidance, the same for the same seed.
 
     Every clip begins and ends at rest in the same neutral stance. Amplitudes, durations and idle
     sway depend on the seed; the order of events does not.

@@ -31,9 +31,7 @@ _YIELD_M = 0.012
 """How far the pelvis sinks as a foot lands at 1 m/s."""
 
 
-def breathe(
-    c: dict[str, np.ndarray], t: np.ndarray, fade: np.ndarray, rng: np.random.Generator
-) -> None:
+def breathe(c: dict[str, np.ndarray], t: np.ndarray, fade: Array, rng: np.random.Generator) -> None:
     """Adds breaths to the channels, m and degrees."""
     hertz, phase = rng.uniform(*_BREATH_HZ), rng.uniform(0, 2 * np.pi)
     breath = fade * np.sin(2 * np.pi * hertz * t + phase)

@@ -17,9 +17,10 @@ SCRIPTS = {
     "sidestep": "idle; sidestep left; idle; sidestep right; idle; sidestep right; idle;"
     " sidestep left; idle; sidestep left; idle; sidestep right; idle",
     "crouch_jump": "idle; crouch; idle; jump; idle; crouch; idle; jump; idle",
-    "hop": "idle; jump left; idle; jump right; idle; jump forward; idle; jump back; idle",
-    "backstep": "idle; backstep; idle; dash; idle; backstep; idle; dash; idle; backstep; idle",
-    "sidle": "idle; sidle left; idle; sidle right; idle; sidle right; idle; sidle left; idle",
+    "hop": "idle; jump left; idle; jump right; idle; jump forward; idle; jump back; idle;"
+    " crouch; idle",
+    "backstep": "idle; backstep; idle; dash; idle; crouch; idle; dash; idle; backstep; idle",
+    "sidle": "idle; sidle left; idle; crouch; idle; sidle right; idle; duck; idle; crouch; idle",
     "mixed1": "idle; step back; duck; idle; turn 45; sway right; idle; walk 2.4; jump; idle",
     "mixed2": "idle; walk 2.4; sidestep left; idle; step right; twist left; turn -45; crouch; idle",
     "mixed3": "idle; step forward; lean_back; idle; walk 3 45; twist right; idle; dash; idle",
