@@ -39,12 +39,13 @@ QUICK = AvoidanceConfig(checks=12, T_wide=0.0, capacity=4096)
 
 @pytest.fixture(scope="module")
 def answers(any_graph: MotionGraph) -> list[tuple[int, Attack, Selection]]:
-    """Thirty random balls, straight and falling, at random nodes."""
+    """Thirty random balls, straight and falling, at random nodes; every fifth comes very soon."""
     rng = np.random.default_rng(6)
     found = []
     for number in range(30):
         node = int(rng.integers(any_graph.num_nodes))
-        attack = throw(rng, arrives=rng.uniform(0.9, 1.5), gravity=number % 3 == 0)
+        soonest, latest = (0.9, 1.5) if number % 5 else (0.4, 0.6)
+        attack = throw(rng, arrives=rng.uniform(soonest, latest), gravity=number % 3 == 0)
         found.append((node, attack, select(any_graph, node, attack, config=QUICK)))
     return found
 
