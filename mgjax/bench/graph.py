@@ -74,7 +74,7 @@ def distance_rows(*, size: int = 8192, repeats: int = 9) -> list[dict[str, Any]]
 
 
 def build_rows(*, repeats: int = 3) -> list[dict[str, Any]]:
-    """The graph of the embedded clips (2 min 40 s), and the peak memory of this process.
+    """The graph of the embedded clips (3 min 28 s), and the peak memory of this process.
 
     ``ratio`` is its time over that of a bare matrix product of the same run.
     """

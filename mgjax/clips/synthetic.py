@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.interpolate import BPoly
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from mgjax.clips import synthetic_skeleton as body
-from mgjax.clips.synthetic_parts import VERBS, Score, Step
-from mgjax.clips.synthetic_skeleton import CHANNELS, LAG_S, Foot, ease, synthetic_skeleton
+from mgjax.clips.procedural.gestures import LAG_S, ease
+from mgjax.clips.procedural.life import Smooth, answer_steps, breathe, couple_gait, swing_arms
+from mgjax.clips.procedural.score import Score, Step
+from mgjax.clips.procedural.scripts import SCRIPTS
+from mgjax.clips.procedural.verbs import VERBS
+from mgjax.clips.synthetic_skeleton import CHANNELS, Foot, synthetic_skeleton
 from mgjax.clips.types import Clip, Label
 from mgjax.core import planar
 from mgjax.core.arrays import Array
@@ -19,15 +21,15 @@ from mgjax.core.motion import Motion
 
 __all__ = ["synthetic_clips", "synthetic_skeleton"]
 
-Smooth = Callable[[Array, float], np.ndarray]
-"""A low pass over frames with a width in s."""
-TOTAL_S = 160.0
+TOTAL_S = 208.0
 _FINE_HZ = 120.0
 """Trajectories are made on a grid at least this fine, then every n-th point is a frame."""
 _EDGE_S = 0.6
 """Idle sway fades over this time at both ends, so that all clips begin and end in one pose."""
 _REACH_M = 0.846
 """Longest distance from hip to ankle that the pelvis leaves to a planted foot; 0.85 is straight."""
+_SHIFT_EARLY = 0.45
+"""The weight goes over to the standing foot so long before the other one leaves, in swings."""
 _TOE_OUT = np.radians(8.0)
 _LENGTHS = {"side", "up", "fore"}
 _ARMS_DEG = {"flex": 4.0, "open": 9.0, "turn": 25.0, "elbow": 22.0}
@@ -37,29 +39,11 @@ _IDLE_ARMS = {"flex_l": 1.5, "flex_r": 1.5, "elbow_l": 2.0, "elbow_r": 2.0}
 _IDLE = {"side": 0.010, "fore": 0.006, **_IDLE_TORSO, **_IDLE_ARMS}
 """Amplitude of idle sway by channel, m and degrees."""
 
-SCRIPTS = {
-    "stance": "idle 3; look; idle 2; look; idle 3",
-    "steps": "idle; step forward; idle; step back; idle; step left; idle; step right; idle",
-    "turns": "idle; turn 45; idle; turn -45; idle; turn 90; idle; turn -90; duck; idle",
-    "walk": "idle; walk 4.2; idle; turn 90; idle 0.8; walk 3; sway left; idle",
-    "walk_curve": "idle; walk 4.2 70; idle; walk 3.6 -60; idle",
-    "duck": "idle; duck; idle; duck; idle; duck; step back; duck; idle",
-    "sway": "idle; sway left; idle; sway right; idle; sway right; step left; sway left; idle",
-    "lean_twist": "idle; lean_back; idle; twist left; idle; twist right; idle; lean_back; idle;"
-    " twist left; idle",
-    "sidestep": "idle; sidestep left; idle; sidestep right; idle; jump; idle; sidestep right; idle",
-    "crouch_jump": "idle; crouch; idle; jump; idle; crouch; idle; jump; idle",
-    "mixed1": "idle; step back; duck; idle; turn 45; sway right; idle; walk 2.4; jump; idle",
-    "mixed2": "idle; walk 2.4; sidestep left; idle; step right; twist left; turn -45; crouch; idle",
-    "mixed3": "idle; step forward; lean_back; idle; walk 3 45; twist right; idle; duck; idle",
-}
-"""What happens in each clip: verbs of :data:`VERBS` with their arguments."""
-
 
 def synthetic_clips(
     *, seed: int = 0, frame_rate: float = 30.0
 ) -> tuple[list[Clip], dict[str, tuple[Label, ...]]]:
-    """A procedural motion set of 160 s with labelled avoidance, the same for the same seed.
+    """A procedural motion set of 208 s with labelled avoidance, the same for the same seed.
 
     Every clip begins and ends at rest in the same neutral stance. Amplitudes, durations and idle
     sway depend on the seed; the order of events does not.
@@ -73,10 +57,9 @@ def synthetic_clips(
     """
     if not 1 <= frame_rate <= 10000:
         raise MotionError(f"frame rate is {frame_rate}, expected 1 … 10000 per second")
-    rng = np.random.default_rng(seed)
     scores: dict[str, Score] = {}
-    for name, script in SCRIPTS.items():
-        score = scores[name] = Score(rng=rng)
+    for number, (name, script) in enumerate(SCRIPTS.items()):
+        score = scores[name] = Score(rng=np.random.default_rng([seed, number]))
         for line in script.split(";"):
             verb, *words = line.split()
             VERBS[verb](score, *words)
@@ -106,7 +89,9 @@ def perform(score: Score, frame_rate: float) -> Motion:
         make_foot(score, 1, t, smooth, c["heel_r"]),
     )
     base = make_base(score, t, smooth)
-    _couple_gait(c, base, feet, t, smooth)
+    couple_gait(c, base, feet, t, smooth)
+    answer_steps(c, score.steps, t, smooth)
+    swing_arms(c, base, t, smooth)
     root = make_root(c, base, feet, rate, smooth)
     lifted, tucked = _jumps(score, t)
     root[:, 1] += lifted
@@ -151,6 +136,7 @@ def make_channels(score: Score, t: np.ndarray) -> dict[str, np.ndarray]:
         for hertz in score.rng.uniform([0.12, 0.25, 0.4], [0.22, 0.35, 0.6]):
             phase = score.rng.uniform(0, 2 * np.pi)
             c[name] += fade * size * (0.15 / hertz) ** 0.5 * np.sin(2 * np.pi * hertz * t + phase)
+    breathe(c, t, fade, score.rng)
     for gesture in score.gestures:
         for name, value in gesture.moves.items():
             for channel in (name,) if name in c else (f"{name}_l", f"{name}_r"):
@@ -204,35 +190,13 @@ def make_base(score: Score, t: np.ndarray, smooth: Smooth) -> np.ndarray:
         begin, end = s.lift_s - 0.06, s.land_s + 0.06
         base += 0.5 * (s.end - s.start) * np.clip((t - begin) / (end - begin), 0, 1)[:, None]
     for s in score.steps:
-        stands = ((t >= s.lift_s) & (t <= s.land_s)) * s.shift
+        early = s.lift_s - _SHIFT_EARLY * (s.land_s - s.lift_s)
+        stands = ((t >= early) & (t <= s.land_s)) * s.shift
         x = body.BALLS[1 - s.foot][0]
         over[:, 1:] += (stands * x)[:, None] * np.stack(
             [np.cos(base[:, 0]), -np.sin(base[:, 0])], -1
         )
     return smooth(base, 0.1) + smooth(over, 0.12)
-
-
-def _couple_gait(
-    c: dict[str, np.ndarray],
-    base: np.ndarray,
-    feet: tuple[Foot, Foot],
-    t: np.ndarray,
-    smooth: Smooth,
-) -> None:
-    """Pelvis, chest and arms answer the legs: arms swing against them, the torso counter-twists."""
-    sin, cos = np.sin(base[:, 0]), np.cos(base[:, 0])
-    gap = feet[0].ball - feet[1].ball
-    ahead = smooth(gap[:, 0] * sin + gap[:, 2] * cos, 0.06)
-    c["yaw"] -= 0.16 * ahead
-    c["twist"] += 0.3 * ahead
-    for side, sign in (("l", -1), ("r", 1)):
-        c[f"flex_{side}"] += sign * 0.6 * ahead
-        c[f"elbow_{side}"] += 0.25 * (np.sqrt(ahead**2 + 0.01) - 0.1) + sign * 0.2 * ahead
-    # The torso leans into its own acceleration.
-    step = t[1] - t[0]
-    push = smooth(np.gradient(np.gradient(base[:, 1:], step, axis=0), step, axis=0), 0.08)
-    c["bend"] += 0.025 * (push[:, 0] * sin + push[:, 1] * cos)
-    c["lean"] += 0.025 * (push[:, 0] * cos - push[:, 1] * sin)
 
 
 def make_root(

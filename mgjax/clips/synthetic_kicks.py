@@ -9,8 +9,10 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from mgjax.clips import synthetic as base_set
-from mgjax.clips.synthetic_parts import VERBS, Score, Step
-from mgjax.clips.synthetic_skeleton import Foot, ease, synthetic_skeleton
+from mgjax.clips.procedural.gestures import ease
+from mgjax.clips.procedural.score import Score, Step
+from mgjax.clips.procedural.verbs import VERBS
+from mgjax.clips.synthetic_skeleton import Foot, synthetic_skeleton
 from mgjax.clips.types import Clip, Label
 from mgjax.core import planar
 from mgjax.core.arrays import Array
@@ -40,7 +42,7 @@ LINKS = {
     "ball_steps": "idle; step forward; idle; step back; idle; step left; idle; step right; idle",
     "ball_turns": "idle; turn 45; idle; turn -45; idle; turn 90; idle; turn -90; idle",
 }
-"""What a player does between two hits: scripts of :data:`mgjax.clips.synthetic_parts.VERBS`."""
+"""What a player does between two hits: scripts of :data:`mgjax.clips.procedural.verbs.VERBS`."""
 _SHIFT = 0.85
 """Share of the way over to the standing foot that the pelvis goes during a kick."""
 

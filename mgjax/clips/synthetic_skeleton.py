@@ -1,4 +1,4 @@
-"""The body of the procedural motion set: skeleton, gestures, and a pose from named channels."""
+"""The body of the procedural motion set: skeleton, and a pose from named channels."""
 
 from __future__ import annotations
 
@@ -73,34 +73,6 @@ CHANNELS = (
     *("heel_l", "heel_r", "knees"),  # heels off the floor; knees outward
 )
 """What a gesture can move. Lengths in m, angles in rad, positive towards the side named."""
-LAG_S = {"flex": 0.05, "elbow": 0.05, "open": 0.05, "turn": 0.05, "heel": 0.03}
-"""Arms and heels follow the torso by this much, which makes a gesture less of a piece."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Gesture:
-    """Channels leave neutral, hold and return.
-
-    ``moves`` are the largest deviations by channel (or, without its ``_l`` or ``_r``, both), m
-    and degrees.
-    """
-
-    start_s: float
-    rise_s: float
-    hold_s: float
-    fall_s: float
-    moves: Mapping[str, float]
-
-    def envelope(self, t: Array) -> Array:
-        """From 0 to 1 and back."""
-        back = self.start_s + self.rise_s + self.hold_s
-        return ease((t - self.start_s) / self.rise_s) - ease((t - back) / self.fall_s)
-
-
-def ease(x: Array) -> Array:
-    """From 0 to 1 with two zero derivatives at both ends (minimum jerk)."""
-    x = np.clip(x, 0.0, 1.0)
-    return x * x * x * (10 + x * (6 * x - 15))
 
 
 @dataclass(frozen=True, kw_only=True)

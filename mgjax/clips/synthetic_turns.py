@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from mgjax.clips.procedural.score import Score
 from mgjax.clips.synthetic import perform
-from mgjax.clips.synthetic_parts import Score
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.clips.types import Clip
 from mgjax.core import planar

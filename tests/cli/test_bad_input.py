@@ -69,10 +69,12 @@ def test_spoiled_clips(one_clip: Path, kind: str) -> None:
 
 @pytest.mark.parametrize("frames", [7, 100_000])
 def test_rows_count_and_not_the_stated_frames(one_clip: Path, frames: int) -> None:
+    motion = (one_clip / "duck.bvh").read_text().partition("MOTION")[2]
+    rows = len(motion.strip().splitlines()) - 2  # without "Frames:" and "Frame Time:"
     spoil(one_clip / "duck.bvh", stated(frames))
     done = build(one_clip)
     assert done.status == 0
-    assert f"322 rows where {frames} frames are stated; all rows were taken" in done.out
+    assert f"{rows} rows where {frames} frames are stated; all rows were taken" in done.out
     assert f"{frames} frames are stated" in run("info", one_clip / "duck.bvh").out
 
 
