@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from mgjax.core import planar
+from mgjax.core.body.capsules import Capsules, make_capsules
 from mgjax.core.kinematics import global_positions
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.body.capsules import Capsules, make_capsules
 from mgjax.hybrid.ik.limbs import find_limb
 from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.sketch import Sketch

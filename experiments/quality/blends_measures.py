@@ -10,11 +10,11 @@ from jaxtyping import Float
 from scipy.stats import rankdata
 
 from mgjax.core import planar
+from mgjax.core.body.capsules import Capsules, make_capsules, segment_distance
 from mgjax.core.contacts import foot_joints
 from mgjax.core.skeleton import Skeleton
 from mgjax.graph.feet import foot_chains
 from mgjax.graph.types import NO_CLIP, MotionGraph
-from mgjax.hybrid.body.capsules import Capsules, make_capsules, segment_distance
 
 WINDOW_S = 0.4
 """Length of the windows of which the jerk is taken."""
