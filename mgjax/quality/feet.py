@@ -76,7 +76,7 @@ def slides(
     """
     moved = feet[1:, :, ::2] - feet[:-1, :, ::2]
     way = jnp.sqrt(jnp.maximum(jnp.sum(moved * moved, axis=-1), 1e-20)) * (rate / 30)
-    height = jnp.maximum(feet[:-1, :, 1] - rests, 0.0) / (SLIDE_M * scale)
+    height = jnp.maximum(feet[:-1, :, 1] - rests[None], 0.0) / (SLIDE_M * scale)
     return jnp.where(height < 1, way * (2 - 2**height), 0.0)
 
 
@@ -96,6 +96,6 @@ def floating(
     speed, _ = contact_speeds(toes, rate=rate, scale=scale)
     height = toes[:-1, :, 1]
     stands = (height < PLANT_HEIGHT_M * scale) & (speed < PLANT_SPEED_M_S * scale)
-    over = height - rests
+    over = height - rests[None]
     left = over[:, 0] < over[:, 1]
     return jnp.min(over, axis=1), jnp.where(left, stands[:, 0], stands[:, 1])

@@ -133,16 +133,16 @@ def curves(track: Tracks, subject: Subject, extremes: Extremes) -> Curves:
     )
 
 
-def figures(found: Curves, extremes: Extremes) -> dict[str, Array]:
+def figures(found: Curves, subject: Subject, extremes: Extremes) -> dict[str, Array]:
     """The figures of one motion; NaN where it shows nothing of the kind (no contact, no window)."""
     touches = found.contact & found.steps[:, None]
-    above = found.jerk / extremes.jerk
+    above = found.jerk / extremes.jerk[None]
     windows = found.windows[:, None]
     stands = found.stands & found.steps
     return {
         "skate_ratio": _mean(found.skates, found.toe_steps),
         "contact_speed": _mean(found.toe_speed, touches),
-        "contact_fast": _mean(found.toe_speed > of_feet.FAST_M_S, touches),
+        "contact_fast": _mean(found.toe_speed > of_feet.FAST_M_S * subject.scale, touches),
         "skate_cm": 100 * _mean(found.slide, found.steps[:, None]),
         "normalised_jerk": jnp.exp(_mean(jnp.log(jnp.maximum(found.jerk, 1e-12)), windows)),
         "jerky": _mean(above > 1, windows),
@@ -160,7 +160,7 @@ def measured(tracks: Tracks, subject: Subject, extremes: Extremes) -> dict[str, 
     """The figures of many motions. [M] each"""
 
     def one(track: Tracks) -> dict[str, Array]:
-        return figures(curves(track, subject, extremes), extremes)
+        return figures(curves(track, subject, extremes), subject, extremes)
 
     return jax.vmap(one)(tracks)
 

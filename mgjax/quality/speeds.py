@@ -28,7 +28,7 @@ def speed_histogram(
     moved = places[1:] - places[:-1]
     speed = jnp.sqrt(jnp.sum(moved * moved, axis=-1)) * rate / scale
     number = jnp.clip(jnp.floor(speed / BIN_M_S), 0, BINS - 1).astype(jnp.int32)
-    same = number[..., None] == jnp.arange(BINS)
+    same = number[..., None] == jnp.arange(BINS, dtype=jnp.int32)[None, None]
     return jnp.sum(jnp.where(counted[:, None, None], same, False), axis=0).astype(places.dtype)
 
 

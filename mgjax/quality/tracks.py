@@ -43,14 +43,14 @@ class Tracks:
         rests: heights of toes and ankles where they rest, m. [M, 4]
     """
 
-    places: Float[Array, "M F J 3"]
-    turns: Float[Array, "M F J 4"]
-    counts: Int[Array, " M"]
-    spans: Int[Array, "M 2"]
-    toes: Float[Array, "M G K 3"]
-    toe_counts: Int[Array, " M"]
-    toe_spans: Int[Array, "M 2"]
-    rests: Float[Array, "M R"]
+    places: Float[Array, "*m F J 3"]
+    turns: Float[Array, "*m F J 4"]
+    counts: Int[Array, "*m"]
+    spans: Int[Array, "*m 2"]
+    toes: Float[Array, "*m G K 3"]
+    toe_counts: Int[Array, "*m"]
+    toe_spans: Int[Array, "*m 2"]
+    rests: Float[Array, "*m R"]
 
     def take(self, rows: np.ndarray) -> Tracks:
         """Some of them."""

@@ -33,7 +33,7 @@ def contact_speed(toes, rate=30.0, scale=1.0):
         for side in range(2)
         if toes[i, side, 1] < 0.05 * scale
     ]
-    return np.mean(found), np.mean(np.array(found) > 0.2)
+    return np.mean(found), np.mean(np.array(found) > 0.2 * scale)
 
 
 def skate_cm(feet, rests, scale=1.0):
