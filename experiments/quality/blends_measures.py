@@ -10,11 +10,11 @@ from jaxtyping import Float
 from scipy.stats import rankdata
 
 from mgjax.core import planar
-from mgjax.core.body.capsules import Capsules, make_capsules, segment_distance
+from mgjax.core.body.capsules import pair_distances
 from mgjax.core.contacts import foot_joints
-from mgjax.core.skeleton import Skeleton
 from mgjax.graph.feet import foot_chains
 from mgjax.graph.types import NO_CLIP, MotionGraph
+from mgjax.quality.subject import subject_of
 
 WINDOW_S = 0.4
 """Length of the windows of which the jerk is taken."""
@@ -152,11 +152,10 @@ def capture_of(graph: MotionGraph) -> Capture:
         for a, b in spans
         if b - a > round(WINDOW_S * graph.frame_rate) + 1
     ]
-    capsules = make_capsules(graph.skeleton)
-    pairs = limb_pairs(graph.skeleton, capsules)
+    pairs = subject_of(graph.skeleton)[0].pairs
     stop = int(graph.clip_stops.max())
     apart = [
-        _apart(capsules, pairs, graph.positions[i : min(i + 1024, stop)]).min(axis=0)
+        np.asarray(pair_distances(pairs, graph.positions[i : min(i + 1024, stop)])).min(axis=0)
         for i in range(0, stop, 1024)
     ]
     return Capture(
@@ -181,30 +180,6 @@ def normalised_jerk(places: Float[np.ndarray, "M F J 3"], rate: float) -> np.nda
     return (length / rate) ** 5 * squares / travelled**2
 
 
-def limb_pairs(skeleton: Skeleton, capsules: Capsules) -> np.ndarray:
-    """[P, 2] capsules that should not meet: forearms and hands with the trunk, the thighs and the
-    other arm's; the bones of one leg with those of the other."""
-    arm, rest = ("forearm", "hand"), ("torso", "pelvis", "head", "neck", "thigh")
-    leg = _legs(skeleton, capsules)
-    pairs = []
-    for i, (part, limb) in enumerate(zip(capsules.parts, capsules.limbs, strict=True)):
-        for j, (other, second) in enumerate(zip(capsules.parts, capsules.limbs, strict=True)):
-            arms = part in arm and (other in rest or (other in arm and i < j and limb != second))
-            thighs = part == other == "thigh"  # they touch where they begin
-            if arms or ((leg[i], leg[j]) == (0, 1) and not thighs):
-                pairs.append((i, j))
-    return np.array(pairs)
-
-
-def _legs(skeleton: Skeleton, capsules: Capsules) -> list[int]:
-    """The leg that each capsule belongs to from its hip on: 0, 1, or -1 for none."""
-    hips = foot_chains(skeleton).hips
-    above = [-1] * skeleton.num_joints
-    for joint, parent in enumerate(skeleton.parents):
-        above[joint] = hips.index(joint) if joint in hips else above[parent] if parent >= 0 else -1
-    return [above[joint] for joint in capsules.joints[:, 0]]
-
-
 def auc(uncut: np.ndarray, seams: np.ndarray) -> float:
     """How well a measure tells seams from uncut motion: 0.5 not at all, 1 always."""
     ranks = rankdata(np.concatenate([uncut, seams]))[len(uncut) :].sum()
@@ -213,22 +188,13 @@ def auc(uncut: np.ndarray, seams: np.ndarray) -> float:
 
 
 def _depths(graph: MotionGraph, tracks: Tracks, capture: Capture) -> Iterator[np.ndarray]:
-    capsules = make_capsules(graph.skeleton)
-    pairs = limb_pairs(graph.skeleton, capsules)
+    pairs = subject_of(graph.skeleton)[0].pairs
     allowed = np.minimum(capture.apart, 0.0)
     inside = tracks.places[:, tracks.first : tracks.last + 1]
     for i in range(0, len(inside), CHUNK):
         part = inside[i : i + CHUNK]
-        apart = _apart(capsules, pairs, part.reshape(-1, *part.shape[2:]))
+        apart = np.asarray(pair_distances(pairs, part.reshape(-1, *part.shape[2:])))
         yield (allowed - apart).clip(0).max(axis=1).reshape(part.shape[:2]).max(axis=1)
-
-
-def _apart(capsules: Capsules, pairs: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """[F, P] distance of the surfaces of capsules, negative where they meet."""
-    a, b = capsules.ends(places)
-    first, second = pairs.T
-    middle = segment_distance(a[:, first], b[:, first], a[:, second], b[:, second] - a[:, second])
-    return middle - capsules.radii[first] - capsules.radii[second]
 
 
 def _ends(graph: MotionGraph, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -57,8 +57,8 @@ def skating(
 
 
 def contact_speeds(
-    toes: Float[Array, "F 2 3"], *, rate: float, scale: Number
-) -> tuple[Float[Array, "S 2"], Bool[Array, "S 2"]]:
+    toes: Float[Array, "F n 3"], *, rate: float, scale: Number
+) -> tuple[Float[Array, "S n"], Bool[Array, "S n"]]:
     """Speed of each toe to the next frame, in space, m/s, and whether it touches the floor."""
     moved = toes[1:] - toes[:-1]
     # The root of a speed of 0 has a slope that is not finite.
@@ -67,8 +67,8 @@ def contact_speeds(
 
 
 def slides(
-    feet: Float[Array, "F 4 3"], rests: Float[Array, "4"], *, rate: float, scale: Number
-) -> Float[Array, "S 4"]:
+    feet: Float[Array, "F n 3"], rests: Float[Array, " n"], *, rate: float, scale: Number
+) -> Float[Array, "S n"]:
     """How far each joint of the feet slides from a frame to the next, in 1/30 s, m.
 
     Its way over the floor times 2 − 2^(h / H), for heights h over where it rests below H = 2.5 cm
@@ -80,7 +80,7 @@ def slides(
     return jnp.where(height < 1, way * (2 - 2**height), 0.0)
 
 
-def sunk(feet: Float[Array, "F 4 3"]) -> Float[Array, "F 4"]:
+def sunk(feet: Float[Array, "F n 3"]) -> Float[Array, "F n"]:
     """How deep each joint of the feet is below the floor, m."""
     return jnp.maximum(-feet[..., 1], 0.0)
 

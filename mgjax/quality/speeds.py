@@ -32,7 +32,7 @@ def speed_histogram(
     return jnp.sum(jnp.where(counted[:, None, None], same, False), axis=0).astype(places.dtype)
 
 
-def hellinger(first: Float[Array, "*a B"], second: Float[Array, "*a B"]) -> Float[Array, "*a"]:
+def hellinger(first: Float[Array, "*a B"], second: Float[Array, "*b B"]) -> Float[Array, "*c"]:
     """Hellinger distance of two histograms, 0 … 1: √(1 − Σ √(p q)); 1 where one is empty.
 
     As for joint speeds in the GENEA challenge (Kucherenko et al. 2021). Few samples alone put two

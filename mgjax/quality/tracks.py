@@ -21,7 +21,7 @@ RATE = 30.0
 """Frames per second at which all but skating is measured."""
 SKATE_RATE = 20.0
 """Frames per second at which skating is."""
-LEAST_FRAMES = 32
+LEAST_FRAMES = 56
 """Motions are padded to this times a power of four."""
 MOST_FRAMES = 1 << 14
 """Frames of motions that are measured at once."""

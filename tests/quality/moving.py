@@ -21,7 +21,9 @@ def moving(skeleton: Skeleton, seconds: float, seed: int, rate: float = 60.0) ->
     vector[:, list(skeleton.end_joints)] = 0.0
     angle = np.linalg.norm(vector, axis=-1)
     turns = quaternion.from_axis_angle(vector / np.maximum(angle, 1e-9)[..., None], angle)
-    root = np.stack([0.25 * seed * times, 0.99 + 0.02 * np.sin(3 * times), 0.05 * np.cos(times)], axis=-1)
+    root = np.stack(
+        [0.25 * seed * times, 0.99 + 0.02 * np.sin(3 * times), 0.05 * np.cos(times)], axis=-1
+    )
     return Motion(
         root_translation=root.astype(np.float32),
         local_rotations=np.asarray(turns, np.float32),
