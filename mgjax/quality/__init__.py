@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mgjax.quality.limits import captured_ranges as captured_ranges
     from mgjax.quality.measuring import curves_of as curves_of
     from mgjax.quality.measuring import measure as measure
+    from mgjax.quality.measuring import measure_many as measure_many
     from mgjax.quality.result import Quality as Quality
     from mgjax.quality.smoothness import normalised_jerk as normalised_jerk
     from mgjax.quality.speeds import hellinger as hellinger
@@ -42,6 +43,7 @@ else:
             "JointLimits": "mgjax.core.body.joint_limits",
             "make_tracks": "mgjax.quality.tracks",
             "measure": "mgjax.quality.measuring",
+            "measure_many": "mgjax.quality.measuring",
             "measured": "mgjax.quality.kernel",
             "normalised_jerk": "mgjax.quality.smoothness",
             "Quality": "mgjax.quality.result",

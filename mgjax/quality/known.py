@@ -84,11 +84,11 @@ def captured(clips: Sequence[tuple[Skeleton, Motion]]) -> Captured:
     apart: list[np.ndarray] = []
     fast: list[np.ndarray] = []
     for skeleton, subject, rows in by_skeleton(clips):
-        for tracks, _ in in_groups(skeleton, subject, [clips[i][1] for i in rows]):
-            values, counted, least = _extremes(tracks, subject)
-            jerk.append(np.asarray(values)[np.asarray(counted)])
-            apart.append(np.asarray(least))
-            fast.append(np.asarray(speeds(tracks, subject), np.float64).sum(axis=0))
+        for tracks, own in in_groups(skeleton, subject, [clips[i][1] for i in rows]):
+            values, counted, least = (np.asarray(x) for x in _extremes(tracks, subject))
+            jerk.append(values[: len(own)][counted[: len(own)]])
+            apart.append(least)
+            fast.append(np.asarray(speeds(tracks, subject), np.float64)[: len(own)].sum(axis=0))
     every = np.concatenate(jerk)
     turns = np.concatenate([np.asarray(motion.local_rotations) for _, motion in clips])
     extremes = Extremes(

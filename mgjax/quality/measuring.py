@@ -7,16 +7,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
+from mgjax.core.errors import SkeletonError
 from mgjax.core.motion import Motion, validate_motion
-from mgjax.core.skeleton import Skeleton
+from mgjax.core.skeleton import Skeleton, first_difference
 from mgjax.core.xla.padding import bucket_size
-from mgjax.quality.kernel import Curves, measured, measured_curves, no_extremes
+from mgjax.quality.kernel import Curves, measured, measured_curves, no_extremes, speeds
 from mgjax.quality.known import Captured, speed_distances
 from mgjax.quality.result import NEEDS_CAPTURE, Quality, faults_of, percentiles
 from mgjax.quality.same_joints import in_order_of
 from mgjax.quality.subject import Subject, subject_of
-from mgjax.quality.tracks import RATE, SKATE_RATE, Tracks, make_tracks, span_frames
+from mgjax.quality.tracks import RATE, SKATE_RATE, Tracks, in_groups, make_tracks, span_frames
 
 OTHER = "the capture has other joints: nothing is said of jerk, angles and speeds beside it"
 SLOW = "fewer than 30 frames a second: poses between them are interpolated, which costs smoothness"
@@ -65,6 +67,42 @@ def measure(
         faults=faults_of(figures, beside, float(subject.scale)),
         notes=notes,
     )
+
+
+def measure_many(
+    skeleton: Skeleton,
+    motions: Sequence[Motion],
+    *,
+    against: Captured | None = None,
+    spans_s: Sequence[tuple[float, float]] | None = None,
+    rests: Sequence[np.ndarray] | None = None,
+) -> tuple[dict[str, Float[np.ndarray, " M"]], Float[np.ndarray, "J B"]]:
+    """The figures of many motions of one skeleton, and the histograms of all their joint speeds.
+
+    Args:
+        skeleton: of the motions.
+        motions: of any lengths and rates.
+        against: capture with the joints in this order.
+        spans_s: seconds between which frames are counted, of each; default: all.
+        rests: see :func:`mgjax.quality.make_tracks`.
+
+    Raises:
+        MotionError: a motion is shorter than two frames.
+        SkeletonError: the capture has other joints, or another order of them.
+    """
+    subject, _ = subject_of(skeleton)
+    if against is not None and first_difference(against.clips[0][0], skeleton) is not None:
+        differs = first_difference(against.clips[0][0], skeleton)
+        raise SkeletonError(got=str(differs), expected="the joints of the capture")
+    extremes = no_extremes(subject) if against is None else against.extremes
+    found: dict[str, np.ndarray] = {}
+    fast: list[np.ndarray] = []
+    groups = in_groups(skeleton, subject, motions, spans_s=spans_s, rests=rests)
+    for tracks, rows in groups:
+        for key, value in measured(tracks, subject, extremes).items():
+            found.setdefault(key, np.full(len(motions), np.nan))[rows] = value[: len(rows)]
+        fast.append(np.asarray(speeds(tracks, subject), np.float64)[: len(rows)].sum(axis=0))
+    return found, np.sum(fast, axis=0)
 
 
 def beside_capture(

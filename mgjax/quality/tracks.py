@@ -113,16 +113,33 @@ def resting(skeleton: Skeleton, subject: Subject, motion: Motion) -> Float[np.nd
 
 
 def in_groups(
-    skeleton: Skeleton, subject: Subject, motions: Sequence[Motion]
-) -> Iterator[tuple[Tracks, np.ndarray]]:
-    """All motions as tracks, those of similar length together; and which they are."""
+    skeleton: Skeleton,
+    subject: Subject,
+    motions: Sequence[Motion],
+    *,
+    spans_s: Sequence[tuple[float, float]] | None = None,
+    rests: Sequence[np.ndarray] | None = None,
+) -> Iterator[tuple[Tracks, Int[np.ndarray, " m"]]]:
+    """All motions as tracks, those of similar length together; and which they are.
+
+    The tracks are padded to one of few numbers of motions, too: those after the named ones repeat
+    the last of them. See :func:`make_tracks` for the arguments.
+    """
     lengths = [bucket_size(int(m.seconds * RATE) + 1, LEAST_FRAMES, 4) for m in motions]
     for length in sorted(set(lengths)):
         members = np.flatnonzero(np.array(lengths) == length)
         most = max(MOST_FRAMES // length, 1)
         for i in range(0, len(members), most):
             chosen = members[i : i + most]
-            yield make_tracks(skeleton, subject, [motions[k] for k in chosen]), chosen
+            tracks = make_tracks(
+                skeleton,
+                subject,
+                [motions[k] for k in chosen],
+                spans_s=None if spans_s is None else [spans_s[k] for k in chosen],
+                rests=None if rests is None else [rests[k] for k in chosen],
+            )
+            size = min(bucket_size(len(chosen), 1, 4), most)
+            yield tracks.take(pad_axis(np.arange(len(chosen)), size)), chosen
 
 
 def _track(
