@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mgjax import graph as graph
     from mgjax import hybrid as hybrid
     from mgjax import io as io
+    from mgjax import quality as quality
     from mgjax.core.errors import MgjaxError as MgjaxError
     from mgjax.core.kinematics import global_positions as global_positions
     from mgjax.core.motion import Motion as Motion
@@ -39,6 +40,7 @@ else:
             "graph": "mgjax.graph",
             "hybrid": "mgjax.hybrid",
             "io": "mgjax.io",
+            "quality": "mgjax.quality",
             "load_motion": "mgjax.io.load",
             "MgjaxError": "mgjax.core.errors",
             "Motion": "mgjax.core.motion",

@@ -21,7 +21,7 @@ import pytest
 
 PACKAGES = [
     *("mgjax", "mgjax.clips", "mgjax.graph"),
-    *("mgjax.avoidance", "mgjax.ballsport", "mgjax.hybrid"),
+    *("mgjax.avoidance", "mgjax.ballsport", "mgjax.hybrid", "mgjax.quality"),
 ]
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from mgjax.core import planar
+from mgjax.core.body.capsules import Capsules, make_capsules
 from mgjax.core.kinematics import global_positions
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.body.capsules import Capsules, make_capsules
 from mgjax.hybrid.ik.limbs import find_limb
 from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.sketch import Sketch
@@ -139,8 +139,8 @@ def _figure(axes: Axes, capsules: Capsules, pose: np.ndarray, unit: float, alpha
     axes.plot(*shadow[:2], "o", color="k", markersize=0.3 * unit, alpha=0.07, zorder=2)
     colours = {"left": LEFT, "right": RIGHT}
     for rank, bone in enumerate(order.tolist()):
-        limb = capsules.limbs[bone]
-        colour = CORE if limb is None else colours[limb.side]
+        arm = capsules.arms[bone]
+        colour = colours[arm] if arm else CORE
         width = 1.7 * capsules.radii[bone] * unit
         for grow, shade in ((1.2, "white"), (0.0, colour)):
             above = base + 0.01 * (rank + 0.5 * (grow == 0))

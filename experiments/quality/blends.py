@@ -13,23 +13,27 @@ from typing import Any
 import numpy as np
 
 from experiments.avoidance.graphs import EMBEDDED_M, clips_of
-from experiments.quality.blends_measures import (
-    WINDOW_S,
-    Capture,
-    auc,
-    capture_of,
-    measured,
-    seam_edges,
-    seam_tracks,
-    uncut_tracks,
-)
 from experiments.quality.blends_plot import measures_figure, strips_figure
+from experiments.quality.pieces import (
+    Pieces,
+    clip_motions,
+    room,
+    seam_edges,
+    seam_pieces,
+    uncut_pieces,
+)
+from experiments.quality.verdicts import auc
+from mgjax.core.kinematics import global_positions
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import BLENDS, GraphConfig
 from mgjax.graph.types import MotionGraph
+from mgjax.quality.known import Captured, captured
+from mgjax.quality.measuring import measure_many
 from mgjax.runs.experiment import Results, experiment
 
-MEASURES = ("jerk", "velocity_jump", "contact_speed", "skate_cm", "sink", "depth")
+MEASURES = (
+    *("jerk_ratio", "velocity_jump", "contact_speed", "skate_cm", "sink", "self_penetration"),
+)
 DEPTH_M, SINK_M = 0.01, 0.005
 """A seam fails by a limb deeper in the body, or a foot deeper in the floor, than this beyond the
 capture."""
@@ -78,14 +82,14 @@ def run(config: Config) -> Results:
         return build_graph(clips, labels=labels, config=replace(base, **changes))
 
     rows: list[dict[str, Any]] = []
-    capture: Capture | None = None
+    known: Captured | None = None
     uncut: dict[str, np.ndarray] | None = None
     kept: dict[str, tuple[MotionGraph, dict[str, np.ndarray]]] = {}
     for clean in reversed(config.clean_feet):
         for name in config.blends:
             graph = built(blend=name, clean_feet=clean)
-            capture = capture or capture_of(graph)
-            row, values, uncut = _row(graph, capture, uncut)
+            known = known or captured_of(graph)
+            row, values, uncut = _row(graph, known, uncut)
             rows.append({"name": f"{name}, feet cleaned" if clean else name} | row)
             kept.setdefault(name, (graph, values))
     table = []
@@ -94,11 +98,11 @@ def run(config: Config) -> Results:
             uncut = None
             for name in ("support", "paper") if contacts == config.contacts[0] else ("support",):
                 graph = built(threshold_m=threshold, contacts=contacts, blend=name)
-                row, _, uncut = _row(graph, capture or capture_of(graph), uncut, config.most)
+                row, _, uncut = _row(graph, known or captured_of(graph), uncut, config.most)
                 table.append({"name": name, "contacts": contacts} | row)
     strips = _worst(kept["paper"], kept["support"], config.strips)
     skeleton = kept["paper"][0].skeleton
-    shown = ("jerk", "velocity_jump", "contact_speed", "skate_cm")
+    shown = ("jerk_ratio", "velocity_jump", "contact_speed", "skate_cm")
     return Results(
         metrics={"blends": rows, "thresholds": table},
         figures={
@@ -109,9 +113,24 @@ def run(config: Config) -> Results:
     )
 
 
+def captured_of(graph: MotionGraph) -> Captured:
+    """What the clips of a graph do."""
+    return captured([(graph.skeleton, motion) for motion in clip_motions(graph)])
+
+
+def _measured(graph: MotionGraph, known: Captured, pieces: Pieces) -> dict[str, np.ndarray]:
+    return measure_many(
+        graph.skeleton,
+        pieces.motions,
+        against=known,
+        spans_s=pieces.spans_s,
+        rests=pieces.rests,
+    )[0]
+
+
 def _row(
     graph: MotionGraph,
-    capture: Capture,
+    known: Captured,
     uncut: dict[str, np.ndarray] | None,
     most: int | None = None,
 ) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, np.ndarray]]:
@@ -119,17 +138,17 @@ def _row(
 
     ``uncut``: known already, of a graph with the same transitions.
     """
-    around = round(WINDOW_S * graph.frame_rate) + 2
+    around = room(graph)
     edges = seam_edges(graph, around)
     if most is not None and len(edges) > most:
         edges = np.sort(np.random.default_rng(0).permutation(edges)[:most])
-    seams = measured(graph, seam_tracks(graph, edges, around), capture)
-    uncut = uncut or measured(graph, uncut_tracks(graph, edges, around), capture)
+    seams = _measured(graph, known, seam_pieces(graph, edges, around))
+    uncut = uncut or _measured(graph, known, uncut_pieces(graph, edges, around))
     # A seam may be as jerky as the capture is here: no more of its windows above the quantile
     # than 0.5 %, or than the two clips have.
     own = uncut["jerky"].reshape(2, -1).max(axis=0)
     smooth = seams["jerky"] <= np.maximum(own, 0.005)
-    solid = (seams["depth"] <= DEPTH_M) & (seams["sink"] <= SINK_M + uncut["sink"].max())
+    solid = (seams["self_penetration"] <= DEPTH_M) & (seams["sink"] <= SINK_M + uncut["sink"].max())
     report = graph.report
     row: dict[str, Any] = {
         "threshold_m": report["threshold_m"],
@@ -140,18 +159,18 @@ def _row(
         "frames": int((graph.edge_frames * (graph.edge_clip >= 0)).sum()),
         "jerky": seams["jerky"].mean(),
         "jerky_uncut": uncut["jerky"].mean(),
-        "contact_speed_mean": seams["contact_speed"].mean(),
-        "contact_speed_mean_uncut": uncut["contact_speed"].mean(),
-        "too_deep": int((seams["depth"] > DEPTH_M).sum()),
-        "deepest_m": seams["depth"].max(),
+        "contact_speed_mean": np.nanmean(seams["contact_speed"]),
+        "contact_speed_mean_uncut": np.nanmean(uncut["contact_speed"]),
+        "too_deep": int((seams["self_penetration"] > DEPTH_M).sum()),
+        "deepest_m": seams["self_penetration"].max(),
         "smooth": smooth.mean(),
         "solid": solid.mean(),
         "good": (smooth & solid).mean(),
         "auc": {key: auc(uncut[key], seams[key]) for key in MEASURES},
     }
     for key in MEASURES:
-        row[f"{key}_p50_p95"] = np.percentile(seams[key], [50, 95])
-        row[f"{key}_uncut_p50_p95"] = np.percentile(uncut[key], [50, 95])
+        row[f"{key}_p50_p95"] = np.nanpercentile(seams[key], [50, 95])
+        row[f"{key}_uncut_p50_p95"] = np.nanpercentile(uncut[key], [50, 95])
     row["best_auc"] = max(row["auc"].values())
     return row, seams | {"edges": edges}, uncut
 
@@ -165,7 +184,10 @@ def _worst(
     values = before[1]
     chosen = np.argsort(-values["skate_cm"], kind="stable")[:count]
     tracks = [
-        seam_tracks(graph, measures["edges"][chosen], 4).places
+        [
+            np.asarray(global_positions(graph.skeleton, motion))
+            for motion in seam_pieces(graph, measures["edges"][chosen], 4).motions
+        ]
         for graph, measures in (before, after)
     ]
     return [

@@ -17,7 +17,7 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.avoidance.timing.walk_warps import natural_starts, part_moments, speed_change
 from mgjax.cli.arguments import Avoid
-from mgjax.cli.report import emit, to_json
+from mgjax.cli.report import emit, seams_json, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import NO_CLIP, MotionGraph
@@ -87,16 +87,19 @@ def selection_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
     ``start_s`` and ``end_s`` of an edge are seconds from now; ``clip`` is the clip it plays, or the
     two that it blends, and ``clip_start_s`` … ``clip_end_s`` what it plays of it; ``scale`` is how
     long it is played, divided by its natural duration, so with a smooth warp the mean over it.
-    ``time_scale`` is that of eq. 3.
+    ``time_scale`` is that of eq. 3. ``seams`` are the transitions in the written motion.
     """
     chosen = selection
     crop = chosen.crop
+    starts = chosen.timing.when(natural_starts(graph, chosen.walk))
+    length = (chosen.motion.num_frames - 1) / EXPORT_RATE
     return {
         "status": chosen.status,
         "node": chosen.node,
         "candidates": chosen.candidates,
         "dropped": dataclasses.asdict(chosen.dropped),
         "walk": _walk_json(graph, selection),
+        "seams": seams_json(graph, chosen.walk.edges, starts, length),
         "time_scale": chosen.time_scale,
         "warp": _warp_json(graph, selection),
         "part": None if chosen.part is None else _part_json(graph, selection, chosen.part),

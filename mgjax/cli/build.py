@@ -9,7 +9,7 @@ from typing import Any
 
 from mgjax.avoidance.index.graph_folder import write_graph_folder
 from mgjax.cli.arguments import Build
-from mgjax.cli.reading import read_as_of
+from mgjax.cli.files.reading import read_as_of
 from mgjax.cli.report import emit
 from mgjax.clips.folder import load_clips
 from mgjax.clips.labels import load_labels

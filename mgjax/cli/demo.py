@@ -13,7 +13,7 @@ from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.cli.arguments import Demo
 from mgjax.cli.avoid import describe, selection_json
-from mgjax.cli.report import emit, to_json
+from mgjax.cli.report import emit, seams_json, to_json
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.core.errors import ConfigError
 from mgjax.core.motion import Motion
@@ -46,11 +46,13 @@ def run(command: Demo) -> None:
         clips, labels = synthetic_clips(seed=command.seed)
         graph = build_graph(clips, labels=labels, config=GraphConfig(threshold_m=THRESHOLD_M))
         throws, walk = throw_balls(graph, command.balls, command.seed)
-        motion = walk_motion(graph, walk, float(walk.starts(graph)[-1]))
+        starts = walk.starts(graph)
+        motion = walk_motion(graph, walk, float(starts[-1]))
         save_bvh(folder / "motion.bvh", graph.skeleton, motion)
         result: dict[str, Any] = {
             "graph": {k: v for k, v in graph.report.items() if k != "seconds"},
             "balls": _balls_json(graph, motion, throws),
+            "seams": seams_json(graph, walk.edges, starts, float(starts[-1])),
             "avoided": sum(t.selection.status == "avoided" for t in throws),
         }
         (folder / "result.json").write_text(to_json(result) + "\n")

@@ -18,6 +18,7 @@ from mgjax.cli.arguments import (
     Coverage,
     Demo,
     Info,
+    Quality,
     Scene,
     Sensor,
     View,
@@ -25,8 +26,9 @@ from mgjax.cli.arguments import (
 )
 
 MODULES: dict[type, str] = {
-    Info: "info",
-    Convert: "convert",
+    Info: "files.info",
+    Convert: "files.convert",
+    Quality: "files.quality",
     Build: "build",
     Avoid: "avoid",
     Walk: "walk",
@@ -37,11 +39,12 @@ MODULES: dict[type, str] = {
     Sensor: "sensor",
     View: "view",
 }
-"""Beside this file, the module of each command; its ``run`` takes the arguments."""
+"""Below this folder, the module of each command; its ``run`` takes the arguments."""
 
 Command = (
     Annotated[Info, tyro.conf.subcommand("info")]
     | Annotated[Convert, tyro.conf.subcommand("convert")]
+    | Annotated[Quality, tyro.conf.subcommand("quality")]
     | Annotated[Build, tyro.conf.subcommand("build")]
     | Annotated[Avoid, tyro.conf.subcommand("avoid")]
     | Annotated[Walk, tyro.conf.subcommand("walk")]

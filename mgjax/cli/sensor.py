@@ -15,7 +15,7 @@ from mgjax.ballsport.clipset.build import build_clip_set
 from mgjax.ballsport.live.config import ListenConfig, validate_listen
 from mgjax.ballsport.live.recogniser import LiveDriver, PassDecision
 from mgjax.cli.arguments import Listen, Replay, Send, Sensor
-from mgjax.cli.reading import read_as_of
+from mgjax.cli.files.reading import read_as_of
 from mgjax.cli.report import emit, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.core.motion import Motion, cut

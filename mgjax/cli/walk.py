@@ -7,8 +7,10 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from mgjax.cli.arguments import Walk
-from mgjax.cli.report import emit, to_json
+from mgjax.cli.report import emit, seams_json, to_json
 from mgjax.core.errors import ConfigError
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import NO_CLIP, MotionGraph
@@ -52,7 +54,7 @@ def run(command: Walk) -> None:
         result["sketch"] = sketch_json(sketch)
         lines = [describe(result)]
         if reached is not None:
-            result |= reach_json(reached)
+            result |= reach_json(graph, reached)
             lines += [describe_target(row) for row in result["targets"]]
         (folder / "result.json").write_text(to_json(result) + "\n")
         save_bvh(folder / "motion.bvh", graph.skeleton, motion)
@@ -100,6 +102,7 @@ def walk_json(graph: MotionGraph, walked: PathResult, length: float) -> dict[str
         "end_off_deg": None if math.isnan(turned) else math.degrees(turned),
         "start": walked.start.tolist(),
         "walk": _edges_json(graph, walked),
+        "seams": seams_json(graph, walked.walk.edges, walked.walk.starts(graph), walked.seconds),
     }
 
 
@@ -132,9 +135,12 @@ def target_json(target: Target) -> dict[str, Any]:
     return {"limb": target.limb, "track": rows}
 
 
-def reach_json(reached: ReachResult) -> dict[str, Any]:
+def reach_json(graph: MotionGraph, reached: ReachResult) -> dict[str, Any]:
     """What limbs reached as JSON values; times are those of the motion that is written."""
     rate = reached.motion.frame_rate
+    motion_s = (reached.motion.num_frames - 1) / rate
+    walk = reached.walked.walk
+    starts = np.searchsorted(reached.shown, walk.starts(graph) * graph.frame_rate - 1e-6) / rate
 
     def number(value: float) -> float | None:
         return value if math.isfinite(value) else None
@@ -157,7 +163,8 @@ def reach_json(reached: ReachResult) -> dict[str, Any]:
     ]
     return {
         "targets": rows,
-        "motion_s": (reached.motion.num_frames - 1) / rate,
+        "motion_s": motion_s,
+        "seams": seams_json(graph, walk.edges, starts, motion_s),
         "reach_s": reached.solve_s,
         "fastest_turn_deg_s": reached.fastest_deg_s,
         "fastest_turn_of_walk_deg_s": reached.fastest_plain_deg_s,

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool
 
+from mgjax.core.body.capsules import Capsules, make_capsules
 from mgjax.core.errors import ConfigError
 from mgjax.core.skeleton import Skeleton
 from mgjax.graph.cache import cached
 from mgjax.graph.plants import planted_frames
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.body.capsules import Capsules, make_capsules
 from mgjax.hybrid.body.limb_limits import LimbLimits, make_limb_limits
 from mgjax.hybrid.body.rig import LimbRig, make_limb_rig
 from mgjax.hybrid.config import ReachConfig

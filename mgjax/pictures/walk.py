@@ -11,11 +11,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
+from mgjax.core.body.capsules import make_capsules, to_bar
 from mgjax.core.contacts import foot_joints
 from mgjax.core.kinematics import global_positions, planar_frames
 from mgjax.core.motion import Motion
 from mgjax.graph.types import NO_CLIP, MotionGraph
-from mgjax.hybrid.body.capsules import make_capsules, to_bar
 from mgjax.hybrid.ik.limbs import LIMB_TYPES, find_limb
 from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.result import PathResult

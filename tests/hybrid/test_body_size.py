@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mgjax.hybrid.body.capsules import make_capsules
+from mgjax.core.body.capsules import make_capsules
 from mgjax.hybrid.config import PathConfig, ReachConfig
 from mgjax.hybrid.paths.search import follow
 from mgjax.hybrid.paths.sketch import make_sketch

@@ -213,6 +213,7 @@ SLOW = (
     "experiments.hybrid.build",
     "experiments.hybrid.reach",
     "experiments.quality.blends",
+    "experiments.quality.seams",
 )
 """Each takes a quarter of a minute and more, mostly for programs that no test shares; what they
 call is tested."""

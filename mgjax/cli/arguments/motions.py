@@ -38,3 +38,15 @@ class Convert(KnownReading):
     """Frames per second to write, with poses in between interpolated; default: as captured."""
     body_model: Path | None = None
     """NPZ file of the SMPL body whose motion an AMASS file has; default: rough proportions."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quality(KnownReading):
+    """Measure how good motion files are: feet, smoothness, limits, limbs in the body; see seams."""
+
+    files: tyro.conf.Positional[tuple[Path, ...]]
+    """Motion files, or folders of them; seams are those that a result.json beside a file names."""
+    against: tuple[Path, ...] = ()
+    """Files or folders of uncut capture, whose figures stand beside those of the files."""
+    out: Path | None = None
+    """Folder for quality.json and a picture of each file."""

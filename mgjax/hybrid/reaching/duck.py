@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core import quaternion
+from mgjax.core.body.capsules import segment_distance, to_bar
 from mgjax.core.kinematics import forward, global_positions, planar_frames
 from mgjax.core.motion import Motion
 from mgjax.core.timing.easing import plateau
-from mgjax.hybrid.body.capsules import segment_distance, to_bar
 from mgjax.hybrid.body.pelvis import lower_pelvis
 from mgjax.hybrid.body.rig import full_pose, track_targets
 from mgjax.hybrid.config import ReachConfig

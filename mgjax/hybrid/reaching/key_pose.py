@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from mgjax.core.body.capsules import arm_clearance
 from mgjax.core.body.roles import require_roles
 from mgjax.core.kinematics import forward
-from mgjax.hybrid.body.capsules import arm_clearance
 from mgjax.hybrid.body.rig import (
     LimbRig,
     full_pose,
@@ -91,7 +91,7 @@ def find_key_pose(
     positions = _positions(rig, lowered, local, poses)
     ends = positions[:, [limb.joints[-1] for limb in limbs]]
     arms = [limb.type for limb in limbs if limb.is_arm]
-    clear = [arm_clearance(sampled.body.capsules, positions, arm).min() for arm in arms]
+    clear = [arm_clearance(sampled.body.capsules, positions, arm.side).min() for arm in arms]
     return KeyPose(
         place=place,
         rig=rig,
@@ -124,7 +124,7 @@ def _costs(
         # Missing by the tolerance or by a metre: both are worse than any pose that arrives.
         cost = cost + np.where(miss > 0.5 * config.hold_m, 100.0 + 100.0 * miss / scale, 0.0)
         if limb.is_arm:
-            clear = arm_clearance(sampled.body.capsules, positions, limb.type)
+            clear = arm_clearance(sampled.body.capsules, positions, limb.type.side)
             cost = cost + 40.0 * np.maximum(0.01 - clear / scale, 0.0)
             roles = (limb.type.role("shoulder"), limb.type.role("elbow"))
             joints = require_roles(rig.skeleton, roles)

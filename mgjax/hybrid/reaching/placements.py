@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core import planar
-from mgjax.hybrid.body.capsules import to_points
+from mgjax.core.body.capsules import to_points
 from mgjax.hybrid.config import ReachConfig
 from mgjax.hybrid.ik.limbs import Limb
 from mgjax.hybrid.reaching.sampled_walk import SampledWalk
@@ -80,7 +80,7 @@ def stance_cost(
 
 def inside_body(sampled: SampledWalk, points: Float[np.ndarray, "F 3"]) -> np.ndarray:
     """[F] whether a point lies inside torso, head or legs."""
-    core = [i for i, limb in enumerate(sampled.body.capsules.limbs) if limb is None]
+    core = [i for i, arm in enumerate(sampled.body.capsules.arms) if not arm]
     distance = to_points(sampled.body.capsules, sampled.positions, points)[:, core]
     return distance.min(axis=1) < sampled.body.scale * _CLEAR_M
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
+from mgjax.core.body.capsules import arm_clearance
 from mgjax.core.kinematics import global_positions
 from mgjax.core.motion import Motion
 from mgjax.core.shown import Shown
 from mgjax.graph.types import MotionGraph
-from mgjax.hybrid.body.capsules import arm_clearance
 from mgjax.hybrid.config import ReachConfig
 from mgjax.hybrid.ik.limbs import find_limb
 from mgjax.hybrid.paths.result import PathResult
@@ -60,6 +61,7 @@ class ReachResult(Shown):
         walked: the walk as it is walked, with what extends it, before limbs reach.
         motion: with the reaches.
         plain: the motion with stops, but without reaches.
+        shown: the frame of the walk that each frame of the motion shows, also between two. [N]
         targets: one result for each target.
         fastest_deg_s: fastest turn of a joint that the reaches turn, degrees/s.
         fastest_plain_deg_s: that of the walk without reaches.
@@ -70,6 +72,7 @@ class ReachResult(Shown):
     walked: PathResult
     motion: Motion
     plain: Motion
+    shown: Float[np.ndarray, " N"]
     targets: tuple[Reached, ...]
     fastest_deg_s: float
     fastest_plain_deg_s: float
@@ -104,7 +107,7 @@ def target_row(
     missed = event.status == "reached" and off.max() > config.hold_m
     clear_m = np.nan
     if limb.is_arm:
-        clear_m = float(arm_clearance(body.capsules, positions[rows], limb.type).min())
+        clear_m = float(arm_clearance(body.capsules, positions[rows], limb.type.side).min())
     return Reached(
         target=target,
         status="missed" if missed else event.status,

@@ -98,6 +98,7 @@ def reach(
         walked=walked,
         motion=made_of(motion, graph.skeleton),
         plain=made_of(plain, graph.skeleton),
+        shown=played.frames,
         targets=tuple(rows),
         fastest_deg_s=fastest_turn(motion, plain),
         fastest_plain_deg_s=float(turn_speeds(plain).max()),

@@ -7,20 +7,20 @@ import pytest
 
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core import quaternion
-from mgjax.core.body.roles import find_role
-from mgjax.core.kinematics import forward, global_positions
-from mgjax.core.timing.easing import plateau, smoothstep
-from mgjax.graph.walk import unroll
-from mgjax.hybrid.body.capsules import (
+from mgjax.core.body.capsules import (
     arm_clearance,
     make_capsules,
     segment_distance,
     to_bar,
     to_points,
 )
+from mgjax.core.body.joint_limits import clamp, random_rotations
+from mgjax.core.body.roles import find_role
+from mgjax.core.kinematics import forward, global_positions
+from mgjax.core.timing.easing import plateau, smoothstep
+from mgjax.graph.walk import unroll
 from mgjax.hybrid.body.limb_limits import make_limb_limits
 from mgjax.hybrid.body.pelvis import lower_pelvis
-from mgjax.hybrid.ik.joint_limits import clamp, random_rotations
 from mgjax.hybrid.ik.limbs import ARMS, find_limb
 from mgjax.hybrid.reaching.dubins import dubins
 from mgjax.hybrid.reaching.placements import radius_of
@@ -48,7 +48,7 @@ def test_body() -> None:
     skeleton = synthetic_skeleton()
     body = make_capsules(skeleton)
     assert {"torso", "head", "upper arm", "forearm", "hand", "thigh", "shin"} <= set(body.parts)
-    arms = [p for p, limb in zip(body.parts, body.limbs, strict=True) if limb is LEFT]
+    arms = [p for p, arm in zip(body.parts, body.arms, strict=True) if arm == "left"]
     assert set(arms) == {"upper arm", "forearm", "hand"}
     rest = np.zeros((1, skeleton.num_joints, 4))
     rest[..., 0] = 1
@@ -59,7 +59,7 @@ def test_body() -> None:
     bar = np.array([[-1, top + 0.5, 0.0], [1, top + 0.5, 0.0]])
     radius = body.radii[body.parts.index("head")]
     assert to_bar(body, positions, bar, 0.03)[0] == pytest.approx(0.47 - radius, abs=0.02)
-    assert arm_clearance(body, positions, RIGHT)[0] > 0.1
+    assert arm_clearance(body, positions, RIGHT.side)[0] > 0.1
 
 
 def test_radius_by_hand() -> None:

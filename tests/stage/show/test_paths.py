@@ -56,6 +56,7 @@ def reached(walked) -> ReachResult:
     )  # fmt: skip
     return ReachResult(
         walked=result, motion=result.motion, plain=result.motion, targets=rows,
+        shown=np.arange(float(result.motion.num_frames)),
         fastest_deg_s=1.0, fastest_plain_deg_s=1.0, slide=0.0, solve_s=0.1,
     )  # fmt: skip
 
@@ -76,7 +77,7 @@ def test_the_folder_shows_the_same(tmp_path, graph, walked, reaching):
     sketch, result = walked
     value = walk_json(graph, result, make_curve(sketch).length) | {"sketch": sketch_json(sketch)}
     if reaching:
-        value |= reach_json(reached(walked))
+        value |= reach_json(graph, reached(walked))
         wanted = reach_show(graph, sketch, reached(walked))
     else:
         wanted = path_show(graph, sketch, result)

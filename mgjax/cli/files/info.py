@@ -9,7 +9,7 @@ from typing import Any
 from tqdm import tqdm
 
 from mgjax.cli.arguments import Info
-from mgjax.cli.reading import files_of, read_as_of
+from mgjax.cli.files.reading import files_of, read_as_of
 from mgjax.cli.report import emit, to_json
 from mgjax.clips.clips_toml import over
 from mgjax.clips.description import describe, description_lines

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from mgjax.cli.arguments import Convert
-from mgjax.cli.reading import files_of, read_as_of
+from mgjax.cli.files.reading import files_of, read_as_of
 from mgjax.cli.report import emit
 from mgjax.clips.clips_toml import over
 from mgjax.core.errors import ConfigError, FileFormatError, printable

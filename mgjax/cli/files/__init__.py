@@ -1,0 +1,1 @@
+"""Commands on motion files, and how they read them."""
