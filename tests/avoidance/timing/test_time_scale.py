@@ -42,7 +42,7 @@ def scaled(seconds, slow, fast, length, centre, t_attack, limit: float = 4.0) ->
         np.float32(centre),
         np.float32(t_attack),
         half_frame=HALF_FRAME,
-        limit=np.float32(limit),
+        limits=(np.float32(limit), np.float32(limit)),
     )
 
 
