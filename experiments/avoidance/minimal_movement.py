@@ -4,10 +4,11 @@
         --set clips=capture --out out/avoidance/minimal_movement
 
 For each ball that several candidates are clear of: how far all joints are, on average, from where
-they would be had the character not reacted (its clip goes on), and how much farther its root travels
-than then, both over the motion as it is written. Compared are what the energies choose, what the
-three of the paper choose, a clear candidate drawn at random, the one with the largest clearance, and
-the one that moves least of all. Then the weights of movement and of speeding up are swept.
+they would be had the character not reacted (its clip goes on), and how much farther its root
+travels than then, both over the motion as it is written. Compared are what the energies choose,
+what the three of the paper choose, a clear candidate drawn at random, the one with the largest
+clearance, and the one that moves least of all. Then the weights of movement and of speeding up are
+swept.
 """
 
 from __future__ import annotations

@@ -58,7 +58,8 @@ class EnergyConfig:
         w_t: weight of the time scale energy.
         w_speed_up: how much more speeding up weighs in it than slowing down by the same factor. At
             1, as in the paper, both weigh the same, but it is speeding up that is seen (Reitsma &
-            Pollard 2003). Chosen by measurement, as w_m (``experiments/avoidance/reweighted.py``).
+            Pollard 2003). Chosen by measurement, as w_m
+            (``experiments/avoidance/minimal_movement.py``).
     """
 
     form: Literal["paper", "overlap"] = "overlap"
