@@ -1,7 +1,7 @@
 """What a clear answer costs: the energies' choice beside other clear candidates of the same ball.
 
-    python -m experiments.avoidance.minimal_movement \\
-        --set clips=capture --out out/avoidance/minimal_movement
+    python -m experiments.avoidance.minimal_movement --config \\
+        configs/avoidance/minimal_movement.toml --set clips=capture --out out/minimal_movement
 
 For each ball that several candidates are clear of: how far all joints are, on average, from where
 they would be had the character not reacted (its clip goes on), and how much farther its root

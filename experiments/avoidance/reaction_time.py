@@ -1,7 +1,7 @@
 """Success over reaction time, also with no edge much faster than captured, and what recovers.
 
-    python -m experiments.avoidance.reaction_time \\
-        --set clips=capture --out out/avoidance/reaction_time
+    python -m experiments.avoidance.reaction_time --config \\
+        configs/avoidance/reaction_time.toml --set clips=capture --out out/avoidance/reaction_time
 
 Standard balls that are there in 0.3 … 2 s. A walk has recovered where it avoids the ball, is at a
 node of the graph again within a second after the ball has gone, and until a second after that shows
