@@ -109,7 +109,7 @@ def test_by_hand() -> None:
 def test_what_is_picked(certainties: list[int], checks: int, number: int) -> None:
     certainty = np.array(certainties, np.int32)
     clearance = np.array([-0.3, -0.2, -0.1, 0.9], np.float32)
-    config = EnergyConfig(E_avoidance=0.01, D_body=0.5)
+    config = EnergyConfig(E_avoidance=0.01, D_body=0.5, w_m=0.0)
     got = pick(made_judged(), certainty, clearance, config, limit_scale=True, checks=checks)
     assert int(got.number) == number
     assert (int(got.usable), int(got.apart)) == (3, 2)
@@ -158,7 +158,7 @@ def test_energies_are_those_of_a_search_with_the_setting(any_graph: MotionGraph)
                 "total": got.scores.total,
             }.items():
                 close = np.asarray(values)[:count][usable]
-                np.testing.assert_allclose(close, wanted[name][usable], atol=1e-5)
+                np.testing.assert_allclose(close, wanted[name][usable], rtol=1e-5, atol=1e-5)
 
 
 # The graph of capture takes the same way through other shapes, half a minute of compiling.
