@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 
 from experiments.quality.blends import DEPTH_M, SINK_M
-from experiments.quality.blends_measures import Tracks, capture_of, floors_of, measured
+from experiments.quality.blends_measures import (
+    SKATE_M,
+    Tracks,
+    capture_of,
+    feet_of,
+    floors_of,
+    measured,
+)
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.results import Status
@@ -19,7 +26,7 @@ from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.timing.walk_warps import natural_starts
 from mgjax.core.kinematics import forward
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, extend, sample_walk
+from mgjax.graph.walk import Walk, extend, frames_at, sample_walk
 
 WITHIN_S = 1.0
 """How soon after the attack a walk has to be at a node, and how long it is looked at."""
@@ -67,13 +74,16 @@ class Recovery:
             return {"recovered": 0, "back_s_p50_p95": None} | nothing | found
         back = np.array([one[2] for one in played])
         places, floors = (np.stack([one[k] for one in played]) for k in (0, 1))
-        ok = self._without(places, floors, uncut["limits"])
+        values = self._values(places, floors)
+        ok = _judged(values, uncut["limits"])
         soon = back <= WITHIN_S
         return {
             "recovered": int((soon & ok["without_fault"]).sum()),
             "at_a_node": float(soon.mean()),
             "back_s_p50_p95": np.percentile(back, [50, 95]).tolist(),
-            **{key: float(values.mean()) for key, values in ok.items()},
+            **{key: float(passed.mean()) for key, passed in ok.items()},
+            "measured_p50_p95": _spread(values),
+            "uncut_p50_p95": uncut["spread"],
             **found,
         }
 
@@ -95,9 +105,12 @@ class Recovery:
         times = written.timing.at(np.arange(count) / graph.frame_rate)
         motion = sample_walk(graph, captured, times)
         places, _ = forward(graph.skeleton, motion.root_translation, motion.local_rotations)
-        clips = np.unique(graph.node_clip[graph.edge_source[captured.edges]])
+        edges = captured.edges[frames_at(graph, captured, times).edge_low]
+        # A transition has the floors of both clips; the higher counts, as it does for seams.
+        ends = [graph.node_clip[nodes[edges]] for nodes in (graph.edge_source, graph.edge_target)]
+        floors = np.maximum(self._floors[ends[0]], self._floors[ends[1]])
         soonest = float(back[0]) - choice.crop.end if len(back) else math.inf
-        return np.asarray(places), self._floors[clips].max(axis=0), soonest
+        return np.asarray(places), floors, soonest
 
     def _uncut(self, count: int) -> dict[str, Any]:
         """Windows of the capture, drawn at random: what they pass, and the limits they set."""
@@ -112,24 +125,29 @@ class Recovery:
         chosen = np.random.default_rng(0).choice(every, min(_UNCUT, len(every)), replace=False)
         clip = np.searchsorted(graph.clip_starts, chosen, side="right") - 1
         places = graph.positions[chosen[:, None] + np.arange(count)]
-        values = self._values(places, self._floors[clip])
+        floors = np.repeat(self._floors[clip][:, None], count, axis=1)
+        values = self._values(places, floors)
         limits = {
             key: 1.1 * float(np.percentile(values[key], 95))
             for key in ("skate_cm", "contact_speed")
         }
         limits["sink"] = SINK_M + float(values["sink"].max())
-        return {"limits": limits, "ok": _judged(values, limits)}
-
-    def _without(
-        self, places: np.ndarray, floors: np.ndarray, limits: dict[str, float]
-    ) -> dict[str, np.ndarray]:
-        return _judged(self._values(places, floors), limits)
+        return {"limits": limits, "ok": _judged(values, limits), "spread": _spread(values)}
 
     def _values(self, places: np.ndarray, floors: np.ndarray) -> dict[str, np.ndarray]:
-        tracks = Tracks(
-            places=places, floors=floors, first=_MARGIN, last=places.shape[1] - 1 - _MARGIN
-        )
-        return measured(self._graph, tracks, self._capture)
+        first, last = _MARGIN, places.shape[1] - 1 - _MARGIN
+        tracks = Tracks(places=places, floors=floors.max(axis=1), first=first, last=last)
+        values = measured(self._graph, tracks, self._capture)
+        # These two by the floor of the clip that is played at each moment.
+        feet = places[:, first : last + 1][:, :, feet_of(self._graph)]
+        above = feet[..., 1] - floors[:, first : last + 1]
+        slide = np.linalg.norm(np.diff(feet, axis=1)[..., [0, 2]], axis=-1)
+        height = np.maximum(above[:, :-1], 0.0)
+        slide *= np.where(height < SKATE_M, 2 - 2 ** (height / SKATE_M), 0.0)
+        return values | {
+            "skate_cm": 100 * slide.mean(axis=(1, 2)),
+            "sink": np.maximum(-above, 0.0).max(axis=(1, 2)),
+        }
 
 
 def _judged(values: dict[str, np.ndarray], limits: dict[str, float]) -> dict[str, np.ndarray]:
@@ -144,3 +162,9 @@ def _judged(values: dict[str, np.ndarray], limits: dict[str, float]) -> dict[str
         "solid": solid,
         "without_fault": feet & smooth & solid,
     }
+
+
+def _spread(values: dict[str, np.ndarray]) -> dict[str, list[float]]:
+    """Median and 95th percentile of each measure that sets a limit."""
+    keys = ("skate_cm", "contact_speed", "jerky", "depth", "sink")
+    return {key: np.percentile(values[key], [50, 95]).tolist() for key in keys}
