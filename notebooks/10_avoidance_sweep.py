@@ -11,8 +11,8 @@
 #
 # A ball flies at a character that stands somewhere in a motion graph. All walks whose avoidance
 # part comes at about the right time are candidates; each is worth
-# $e = w_a e_\mathrm{avoidance} + w_b e_\mathrm{body} + w_t e_\mathrm{timescale}$, and the cheapest
-# one that stays clear is played (Oshita and Masaoka 2011).
+# $e = w_a e_\mathrm{avoidance} + w_b e_\mathrm{body} + w_t e_\mathrm{timescale}$ (Oshita and
+# Masaoka 2011) $+ w_m e_\mathrm{move}$, and the cheapest one that stays clear is played.
 #
 # What do the scales $E_\mathrm{avoidance}$, $D_\mathrm{body}$ and the weights change? Candidates
 # are judged once per ball; one compiled call ranks them again for a whole grid of settings. Every

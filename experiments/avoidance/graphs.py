@@ -40,10 +40,13 @@ def built(
     clips: str = "",
     exclude: tuple[str, ...] = (),
     *,
-    threshold_m: float = EMBEDDED_M,
+    threshold_m: float | None = EMBEDDED_M,
     mirror: bool = False,
 ) -> MotionGraph:
-    """The graph of a folder of clips, "" for the embedded ones; built once in a process."""
+    """The graph of a folder of clips, "" for the embedded ones; built once in a process.
+
+    Without a threshold at the automatic one.
+    """
     named, labels = clips_of(clips, exclude)
     config = GraphConfig(threshold_m=threshold_m, mirror=mirror)
     return build_graph(named, labels=labels, config=config)

@@ -34,7 +34,7 @@ SPEEDS = {
     "none": SpeedConfig(V_fast=math.inf, V_slow=0.0, V_still=0.0),
 }
 """Which edges may change speed: as the paper prints it, the defaults, all both ways, none."""
-AXES = ("E_avoidance", "D_body", "w_a", "w_b", "w_t", "E_time")
+AXES = ("E_avoidance", "D_body", "w_a", "w_b", "w_t", "E_time", "w_m", "w_speed_up")
 MAPPED = ("changed", "avoided", "clearance_m_p5_p50_p95")
 
 
@@ -57,7 +57,11 @@ class Config:
     D_body: tuple[float, ...] = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.5)
     """m."""
     weights: tuple[float, ...] = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0)
-    """Of each energy."""
+    """Of each of the paper's energies."""
+    w_m: tuple[float, ...] = (0.0, 1.0, 3.0, 6.0, 12.0)
+    """Of the movement energy."""
+    w_speed_up: tuple[float, ...] = (1.0, 2.0, 4.0, 8.0)
+    """How much more speeding up weighs."""
     E_time: tuple[float, ...] = (1.25, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
     """Largest time scale, and the scale of its energy."""
     T_window: tuple[float, ...] = (0.25, 0.5, 1.0, 1.5, 2.0)
@@ -76,6 +80,8 @@ class Config:
             "E_paper": (0.5, 1.14),
             "D_body": (0.1, 0.3),
             "weights": (0.0, 1.0),
+            "w_m": (0.0, 3.0),
+            "w_speed_up": (1.0, 4.0),
             "E_time": (1.5, 4.0),
             "T_window": (0.5, 1.0),
             "crop_radius_m": (0.5, 1.0),
@@ -121,7 +127,7 @@ def run(config: Config, points: Points) -> Results:
 
 
 def _values(config: Config, name: str) -> tuple[float, ...]:
-    return config.weights if name.startswith("w_") else getattr(config, name)
+    return config.weights if name in ("w_a", "w_b", "w_t") else getattr(config, name)
 
 
 def _grid(config: Config) -> dict[str, EnergyConfig]:
@@ -182,7 +188,8 @@ def _other_forms(
         metrics[name] = [{"value": x} | found[f"{x:g}"] for x in values]
         heads[name] = found["head"]
     clamped = {"head": replace(energy, form="overlap", d0="clamped")}
-    printed = {"head": replace(paper, d0="paper", E_avoidance=0.5, w_a=1.0, w_b=1.0, w_t=1.0)}
+    plain = {"w_a": 1.0, "w_b": 1.0, "w_m": 0.0, "w_t": 1.0, "w_speed_up": 1.0}
+    printed = {"head": replace(paper, d0="paper", E_avoidance=0.5, **plain)}
     as_printed = replace(free, T_window=1.0, T_wide=1.0, speed=SPEEDS["printed"])
     rows = {
         "overlap, clamped": points.measure(

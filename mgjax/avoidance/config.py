@@ -30,8 +30,8 @@ NODES = 256
 class EnergyConfig:
     """How a candidate path is judged (Oshita & Masaoka 2011, §4.2, eqs 4–10).
 
-    The numbers are traced, the two strings are static. A search takes ``E_avoidance`` and
-    ``D_body`` to be an adult's, and scales them to the body of its graph (:func:`for_body`).
+    The numbers are traced, the two strings are static. A search takes ``E_avoidance``, ``D_body``
+    and ``D_move`` to be an adult's, and scales them to the body of its graph (:func:`for_body`).
 
     Attributes:
         form: what counts as penetrating the avoidance volume. ``"paper"``: every sphere that is
@@ -46,20 +46,34 @@ class EnergyConfig:
             paper prints 0.5.
         D_body: clearance beyond ``d0`` at which a movement is as bad as none, m, > 0. The paper
             gives no value.
+        D_move: displacement against not reacting that is as bad as the other energies at their
+            worst, m, > 0.
         E_time: largest acceptable time scale, > 0.
+        E_fast: largest acceptable speed-up of an edge, ≥ 1: where time scales are limited, those
+            below 1/E_fast are rejected, too, and nothing is played faster.
         w_a: weight of the avoidance energy.
         w_b: weight of the body energy.
+        w_m: weight of the movement energy, which is not the paper's; 0 leaves it out. By the three
+            of the paper the walk that is chosen hardly moves less than a clear one drawn at random.
         w_t: weight of the time scale energy.
+        w_speed_up: how much more speeding up weighs in it than slowing down by the same factor. At
+            1, as in the paper, both weigh the same, but it is speeding up that is seen (Reitsma &
+            Pollard 2003). Chosen by measurement, as w_m
+            (``experiments/avoidance/minimal_movement.py``).
     """
 
     form: Literal["paper", "overlap"] = "overlap"
     d0: Literal["clamped", "paper"] = "clamped"
     E_avoidance: Number = 0.0085
     D_body: Number = 0.3
+    D_move: Number = 0.3
     E_time: Number = 4.0
+    E_fast: Number = 1e6
     w_a: Number = 1.0
     w_b: Number = 1.0
+    w_m: Number = 3.0
     w_t: Number = 1.0
+    w_speed_up: Number = 4.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +108,8 @@ class AvoidanceConfig:
             other than the graph's no bound on clearances is certain: every candidate is then
             checked exactly, which gives the same answers and takes longer.
         evaluation_step_s: longest interval at which volumes are compared.
-        limit_scale: rejects time scales outside [1/E_time, E_time]; the paper keeps them.
+        limit_scale: rejects time scales outside [1/E_time, E_time] and below 1/E_fast; the paper
+            keeps them.
         capacity: most candidates that are judged; those beyond are counted, never silent.
         checks: most candidates that are checked exactly.
         settle_s: how long after the attack the motion still has to stay clear, s.
@@ -133,10 +148,14 @@ _RANGES: Ranges = {
     "checks": (1, 1_000_000),
     "energy.E_avoidance": (1e-9, 1e9),
     "energy.D_body": (1e-9, 1e9),
+    "energy.D_move": (1e-9, 1e9),
     "energy.E_time": (1.0, 1e6),
+    "energy.E_fast": (1.0, 1e6),
     "energy.w_a": (0.0, 1e9),
     "energy.w_b": (0.0, 1e9),
+    "energy.w_m": (0.0, 1e9),
     "energy.w_t": (0.0, 1e9),
+    "energy.w_speed_up": (0.0, 1e9),
     "speed.V_fast": (0.0, math.inf),
     "speed.V_slow": (0.0, math.inf),
     "speed.V_still": (0.0, math.inf),
@@ -144,7 +163,7 @@ _RANGES: Ranges = {
 """Smallest and largest value of each setting that is a number."""
 
 _SPEEDS = ("V_fast", "V_slow", "V_still")
-_ENERGIES = ("E_avoidance", "D_body")
+_ENERGIES = ("E_avoidance", "D_body", "D_move")
 """In m·s and m: times stay."""
 
 

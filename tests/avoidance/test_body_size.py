@@ -68,11 +68,11 @@ def assert_same_choice(got, want, size):
     if want.energy is None:
         assert got.energy is None
         return
-    for name in ("total", "avoidance", "body", "timescale"):
+    for name in ("total", "avoidance", "body", "movement", "timescale"):
         np.testing.assert_allclose(
             getattr(got.energy, name), getattr(want.energy, name), atol=1e-3, err_msg=name
         )
-    for name in ("penetration", "d", "d0"):
+    for name in ("penetration", "d", "d0", "displacement"):
         np.testing.assert_allclose(
             getattr(got.energy, name), size * getattr(want.energy, name), atol=1e-4, err_msg=name
         )

@@ -215,7 +215,8 @@ def test_avoid(built: tuple[Path, Ran], tmp_path: Path, more: tuple) -> None:
         if result["status"] == "no_candidate":
             assert result["clearance_m"] is result["energy"] is result["time_scale"] is None
         else:
-            energy = {"total", "avoidance", "body", "timescale", "penetration", "d", "d0"}
+            energy = {"total", "avoidance", "body", "movement", "timescale"}
+            energy |= {"penetration", "d", "d0", "displacement"}
             assert set(result["energy"]) == energy
             assert isinstance(result["time_scale"], float)
     assert seen - {"no_candidate"}

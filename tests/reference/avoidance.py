@@ -259,3 +259,16 @@ def written_positions(path) -> tuple[list[str], np.ndarray, np.ndarray]:
         places[:, joint] = places[:, parent] + turned
         world[:, joint] = product(above, turns[:, joint])
     return names, np.arange(count) / (2 * rate), places
+
+
+def edges_onward(graph, node, seconds) -> list[int]:
+    """The walk of who does not react: along the clip, else along the first edge that leaves."""
+    edges: list[int] = []
+    end = 0.0
+    while not edges or end < seconds:
+        leaving = [int(e) for e in graph.edges_from(node)]
+        of_clip = [e for e in leaving if graph.edge_clip[e] >= 0]
+        edges.append((of_clip or leaving)[0])
+        end += graph.edge_frames[edges[-1]] / graph.frame_rate
+        node = int(graph.edge_target[edges[-1]])
+    return edges

@@ -96,6 +96,16 @@ def energies(
     )
 
 
-def time_scale_energy(s: float, limit: float) -> float:
-    """Eq. 9."""
-    return s / limit if s > 1 else 1 / (s * limit)
+def displacement(moved, still) -> float:
+    """Mean distance of the spheres of one body from those of another, over moments. [T, S, 3]"""
+    total, count = 0.0, 0
+    for one, other in zip(moved, still, strict=True):
+        for a, b in zip(one, other, strict=True):
+            total += math.dist(np.asarray(a, np.float64), np.asarray(b, np.float64))
+            count += 1
+    return total / count
+
+
+def time_scale_energy(s: float, limit: float, w_speed_up: float = 1.0) -> float:
+    """Eq. 9, what speeding up adds to 1/limit times so much."""
+    return s / limit if s > 1 else (1 + w_speed_up * (1 / s - 1)) / limit

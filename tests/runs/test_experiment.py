@@ -203,6 +203,8 @@ SLOW = (
     "experiments.avoidance.calibrate",
     "experiments.avoidance.connectivity",
     "experiments.avoidance.culling",
+    "experiments.avoidance.minimal_movement",
+    "experiments.avoidance.reaction_time",
     "experiments.avoidance.success",
     "experiments.avoidance.sweep",
     "experiments.avoidance.table1",

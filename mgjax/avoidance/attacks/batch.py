@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import jax.numpy as jnp
@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop
+from mgjax.avoidance.attacks.sag import sag_of
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.core.arrays import Array
@@ -20,6 +21,9 @@ from mgjax.core.xla.pytree import register
 
 FRAME_BUCKET = 256
 """Frames of an attack that a call is compiled for, and thirty-two times as many."""
+
+MOMENTS = 4
+"""At which a body is compared with one that does not react; more change no choice that matters."""
 
 SPHERE_BUCKET = 1
 """Spheres of an attack that a call is compiled for, and eight times as many, …"""
@@ -71,10 +75,13 @@ class AttackBatch:
             counts, m; before the attack begins and after it ends it is held. [A, N, 3·I]
         numbers: what is known of each attack, by :class:`AttackColumn`; then all that ``spheres``
             has. [A, 12+3·I]
+        unmoved: x of all spheres of the body that does not react, then y, then z, padded, at
+            evenly spaced moments of which the last is the end of the crop, m. [A, K, 3·S]
     """
 
     frames: Float[Array, "A N D"]
     numbers: Float[Array, "A M"]
+    unmoved: Float[Array, "A K B"]
 
     @property
     def spheres(self) -> Float[Array, "A 3 I"]:
@@ -97,7 +104,7 @@ class AttackBatch:
             return self
         beyond = bucket_size(FRAME_BUCKET + 1, FRAME_BUCKET, 32) - self.frames.shape[1]
         frames = np.pad(np.asarray(self.frames), ((0, 0), (0, beyond), (0, 0)), mode="edge")
-        return AttackBatch(frames=frames, numbers=self.numbers)
+        return replace(self, frames=frames)
 
     def number(self, column: AttackColumn) -> Float[Array, " A"]:
         """One of the numbers of all attacks."""
@@ -105,18 +112,33 @@ class AttackBatch:
 
     def of(self, owner: Int[Array, " C"]) -> AttackBatch:
         """The attack of each candidate, by number."""
-        return AttackBatch(frames=self.frames[owner], numbers=self.numbers[owner])
+        return AttackBatch(
+            frames=self.frames[owner], numbers=self.numbers[owner], unmoved=self.unmoved[owner]
+        )
 
 
-def empty_attack_batch(frames: int, spheres: int) -> AttackBatch:
-    """One attack that is nowhere, of a size that calls are compiled for."""
+def empty_attack_batch(frames: int, spheres: int, columns: int) -> AttackBatch:
+    """One attack that is nowhere, of a size that calls are compiled for.
+
+    Args:
+        frames, spheres: of the attack.
+        columns: coordinates of a body, with their padding.
+    """
     numbers = np.full((1, _NUMBERS + 3 * spheres), _ABSENT_S, np.float32)
     numbers[0, :_NUMBERS] = 0
-    return AttackBatch(frames=np.zeros((1, frames, 3 * spheres), np.float32), numbers=numbers)
+    return AttackBatch(
+        frames=np.zeros((1, frames, 3 * spheres), np.float32),
+        numbers=numbers,
+        unmoved=np.zeros((1, MOMENTS, columns), np.float32),
+    )
 
 
 def make_attack_batch(
-    attack: Attack, crop: Crop, config: AvoidanceConfig, reach: float
+    attack: Attack,
+    crop: Crop,
+    config: AvoidanceConfig,
+    reach: float,
+    unmoved: Float[np.ndarray, "K B"] | None = None,
 ) -> AttackBatch:
     """One attack, padded to one of few sizes.
 
@@ -124,6 +146,8 @@ def make_attack_batch(
         attack, crop: the attack, and the part of it that counts for timing and energies.
         config: settings.
         reach: how far any point of the body can be from its root, m.
+        unmoved: the body that does not react, which only the movement energy needs; see
+            :class:`AttackBatch`.
     """
     begin, end = max(attack.start, 0.0), attack.end
     # The frames of the written motion at which it counts.
@@ -154,14 +178,16 @@ def make_attack_batch(
         first,
         count,
         reach + speed * step + 0.1,
-        _sag(attack, step),
+        sag_of(attack, step),
         speed,
     )
     life = numbers[0, _NUMBERS:].reshape(3, slots)
     life[0, :spheres] = attack.radii
     life[1, :spheres] = attack.start if attack.starts is None else attack.starts
     life[2, :spheres] = attack.end if attack.stops is None else attack.stops
-    return AttackBatch(frames=frames, numbers=numbers)
+    if unmoved is None:
+        unmoved = np.zeros((MOMENTS, 0), np.float32)
+    return AttackBatch(frames=frames, numbers=numbers, unmoved=unmoved[None])
 
 
 def evaluated(attack: Attack, crop: Crop, config: AvoidanceConfig) -> int:
@@ -193,45 +219,6 @@ def _lived(attack: Attack, times: Float[np.ndarray, " T"]) -> Float[np.ndarray, 
             at, beside = attack.at(np.array([moment, other]))[:, k]
             frames[outside, k] = at + (beside - at) * ((times[outside] - moment) / (other - moment))
     return frames
-
-
-def _sag(attack: Attack, step: float) -> float:
-    """How far spheres stray from straight lines over ``step`` s, m."""
-    sag = (attack.acceleration + _kinks(attack, step)) * step**2 / 8
-    if attack.acceleration and len(attack.times) > 1:
-        interval = float((attack.times[1:] - attack.times[:-1]).max())
-        sag += attack.acceleration * interval**2 / 8 if interval > step else 0.0
-    return sag
-
-
-def _kinks(attack: Attack, step: float) -> float:
-    """Acceleration whose bend over ``step`` covers the corners at an attack's knots, m/s².
-
-    Cutting a corner of Δv costs Δv · step/4 at most, several within a step the sum of theirs. The
-    knots of a smooth flight bend by no more than its acceleration says.
-    """
-    if len(attack.times) < 3:
-        return 0.0
-    times = attack.times
-    span = times[1:] - times[:-1]
-    velocity = (attack.centres[1:] - attack.centres[:-1]) / span[:, None, None]
-    turns = velocity[1:] - velocity[:-1]
-    near = np.minimum(span, step)
-    smooth = (1.01 * 0.5 * attack.acceleration) * (near[1:] + near[:-1]) + 1e-6
-    excess = np.sqrt(np.einsum("tik,tik->ti", turns, turns)) - smooth[:, None]
-    if excess.max() <= 0:
-        return 0.0
-    excess = np.maximum(excess, 0.0)
-    # Where a sphere comes or goes it has no motion on the other side.
-    inner = attack.times[1:-1, None]
-    if attack.starts is not None:
-        excess = np.where(inner > attack.starts, excess, 0.0)
-    if attack.stops is not None:
-        excess = np.where(inner < attack.stops, excess, 0.0)
-    total = np.concatenate([[0.0], np.cumsum(excess.max(axis=1))])
-    knots = attack.times[1:-1]
-    upto = np.searchsorted(knots, knots + step, side="right")
-    return float((total[upto] - total[:-1]).max()) * 2 / step
 
 
 def centres_at(attack_batch: AttackBatch, times: Float[Array, "T A"]) -> Float[Array, "T A D"]:

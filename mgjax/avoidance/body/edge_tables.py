@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from mgjax.avoidance.body.spheres import BodySpheres, preset_spheres, sphere_centres
+from mgjax.avoidance.body.unmoved import edges_onward
 from mgjax.avoidance.config import SpeedConfig
 from mgjax.core import planar
 from mgjax.core.body.roles import require_roles
@@ -34,6 +35,7 @@ class EdgeTables:
         part_start, part_stop, part_centre: seconds within the edge. [A]
         part_first, part_ids: the parts of edge e are part_ids[part_first[e]:part_first[e+1]].
         nearest_part: least seconds from a node to the middle of a part; inf if there is none. [N]
+        onward: the edge by which the motion goes on without a reaction. [N]
         farthest: how far from a node a body that stands there may be, m, and a millimetre more.
     """
 
@@ -51,6 +53,7 @@ class EdgeTables:
     part_first: Int[np.ndarray, " E1"]
     part_ids: Int[np.ndarray, " A"]
     nearest_part: Float[np.ndarray, " N"]
+    onward: Int[np.ndarray, " N"]
     farthest: float
 
 
@@ -88,6 +91,7 @@ def edge_tables(graph: MotionGraph, body_rate: float) -> EdgeTables:
         part_first=np.concatenate([[0], np.cumsum(counts)]),
         part_ids=np.argsort(part_edge, kind="stable"),
         nearest_part=nearest_part(graph, np.ones(len(part_edge), dtype=bool)),
+        onward=edges_onward(graph),
         farthest=_farthest(pool[first], spheres),
     )
 

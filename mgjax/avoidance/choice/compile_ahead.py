@@ -81,7 +81,7 @@ def programs(
     )
     for calls, length, known, sizes in shapes:
         for slot in slots:
-            attacks = empty_attack_batch(known, slot)
+            attacks = empty_attack_batch(known, slot, 3 * len(prepared.device.radii))
             for size in (s for k, s in enumerate(sizes) if not k or sizes[k - 1] < config.capacity):
                 walks = empty_candidate_batch(length, size, shared=True)
                 calls.append(partial(_search, prepared, walks, attacks, config))

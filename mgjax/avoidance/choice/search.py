@@ -68,7 +68,7 @@ def search(
         attack_batch: the attack.
         config: forms, scales and weights of the energies.
         frame_rate: of the graph.
-        limit_scale: rejects time scales outside [1/E_time, E_time].
+        limit_scale: rejects time scales outside [1/E_time, E_time] and below 1/E_fast.
     """
     judged = judge_all(
         tables, walks, attack_batch, config, half_frame=0.5 / frame_rate, limit_scale=limit_scale

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 from typing import Literal
 
@@ -29,7 +30,8 @@ class Selection(Choice, Shown):
 
     Attributes:
         warp: how the motion plays the walk: ``linear``, with one speed per edge, where that is
-            asked for, where the attack would touch the smooth form, and where nothing is avoided.
+            asked for, where the attack would touch the smooth form, where that would be faster
+            than ``E_fast``, and where nothing is avoided.
         timing: which moment of the walk as captured the motion shows when.
         motion: from now until the attack is over, in the planar frame of its first pose.
         trace: the body's spheres over that motion.
@@ -85,21 +87,24 @@ def write(prepared: Prepared, attack: Attack, choice: Choice, config: AvoidanceC
     Its clearance, and so the status, come from the forward kinematics of what is written. A choice
     that is clear is played smoothly if it is clear then, too.
     """
-    linear, smooth = both_timings(prepared.graph, choice)
-    if config.warp == "smooth" and choice.status == Status.AVOIDED:
+    fastest = float(config.energy.E_fast) if config.limit_scale else math.inf
+    linear, smooth = both_timings(prepared.graph, choice, fastest)
+    if config.warp == "smooth" and choice.status == Status.AVOIDED and smooth is not linear:
         selection = _write(prepared, attack, choice, config, "smooth", smooth)
         if selection.status == Status.AVOIDED:
             return selection
     return _write(prepared, attack, choice, config, "linear", linear)
 
 
-def both_timings(graph: MotionGraph, choice: Choice) -> tuple[TimeWarp, TimeWarp]:
-    """How a walk is played with one speed per edge, and smoothly."""
+def both_timings(
+    graph: MotionGraph, choice: Choice, fastest: float = math.inf
+) -> tuple[TimeWarp, TimeWarp]:
+    """How a walk is played with one speed per edge, and smoothly, nothing beyond ``fastest``."""
     walk, part, crop = choice.walk, choice.part, choice.crop
     if part is None or crop is None:
         linear = linear_warp(graph, walk)
         return linear, linear
-    return both_warps(graph, walk, choice.path_length, part, (crop.start, crop.end))
+    return both_warps(graph, walk, choice.path_length, part, (crop.start, crop.end), fastest)
 
 
 def _write(

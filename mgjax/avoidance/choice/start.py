@@ -10,8 +10,9 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.avoidance.attacks.attack import Attack, validate_attack
-from mgjax.avoidance.attacks.batch import AttackBatch, make_attack_batch
+from mgjax.avoidance.attacks.batch import MOMENTS, AttackBatch, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
+from mgjax.avoidance.body.unmoved import spheres_onward
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.prepared import Prepared
@@ -56,7 +57,21 @@ class Query:
     @cached_property
     def attack_batch(self) -> AttackBatch:
         """The attack as compiled code reads it."""
-        return make_attack_batch(self.attack, self.crop, self.config, self.prepared.posed.reach)
+        return make_attack_batch(
+            self.attack, self.crop, self.config, self.prepared.posed.reach, self.unmoved
+        )
+
+    @property
+    def unmoved(self) -> Float[np.ndarray, "K B"]:
+        """The body that does not react, as the batch has it; zeros where nothing asks for it."""
+        prepared, weight = self.prepared, self.config.energy.w_m
+        unmoved = np.zeros((MOMENTS, 3, len(prepared.device.radii)), np.float32)
+        if not isinstance(weight, float | int) or weight > 0:
+            times = np.arange(1, MOMENTS + 1) * (self.crop.end / MOMENTS)
+            tables = prepared.tables
+            bodies = spheres_onward(prepared.graph, tables.onward, tables.spheres, self.node, times)
+            unmoved[..., : bodies.shape[1]] = np.moveaxis(bodies, 2, 1)
+        return unmoved.reshape(MOMENTS, -1)
 
 
 def ask(prepared: Prepared, node: int, attack: Attack, config: AvoidanceConfig) -> Query | None:

@@ -24,7 +24,7 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.culling.overlap import overlap_pixels
 from mgjax.avoidance.culling.pictures import Form, Slices
 from mgjax.avoidance.culling.rasterise import draw_attack
-from mgjax.avoidance.timing.time_scale import OK, UNLIMITED, Timing, time_scale
+from mgjax.avoidance.timing.time_scale import OK, Timing, scale_limits, time_scale
 from mgjax.core.arrays import Array
 from mgjax.core.xla.padding import pad_axis
 
@@ -114,7 +114,7 @@ def timing_of(
         device,
         pad_candidates(candidates),
         np.asarray(crop.middle, dtype=np.float32),
-        np.asarray(config.energy.E_time if config.limit_scale else UNLIMITED, dtype=np.float32),
+        scale_limits(config.energy, config.limit_scale),
         half_frame=0.5 / frame_rate,
     )
     count, width = candidates.edges.shape
@@ -127,7 +127,7 @@ def _timing(
     tables: DeviceTables,
     walks: CandidateBatch,
     t_attack: Float[Array, ""],
-    limit: Float[Array, ""],
+    limits: tuple[Array, Array],
     *,
     half_frame: float,
 ) -> Timing:
@@ -140,5 +140,5 @@ def _timing(
         tables.parts[walks.part, PartColumn.CENTRE],
         t_attack,
         half_frame=half_frame,
-        limit=limit,
+        limits=limits,
     )

@@ -8,10 +8,10 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import AttackBatch, AttackColumn, make_attack_batch
+from mgjax.avoidance.attacks.batch import MOMENTS, AttackBatch, AttackColumn, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.body.device_tables import DeviceTables, PartColumn
 from mgjax.avoidance.body.volumes import PlacedColumn, chain_transforms, read_edges
@@ -19,8 +19,9 @@ from mgjax.avoidance.candidates.batch import CANDIDATE_TILE, CandidateBatch, pad
 from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
 from mgjax.avoidance.energy.accumulate import accumulate
+from mgjax.avoidance.energy.displacement import displacements
 from mgjax.avoidance.energy.score import Measures, Scores, score
-from mgjax.avoidance.timing.time_scale import OK, PADDING, UNLIMITED, Timing, time_scale
+from mgjax.avoidance.timing.time_scale import OK, PADDING, Timing, scale_limits, time_scale
 from mgjax.core.arrays import Array
 from mgjax.core.xla.materialise import stage
 from mgjax.core.xla.pytree import register
@@ -49,7 +50,7 @@ def judge_tile(
     limit_scale: bool,
 ) -> Judged:
     """Timing and energies of some candidates (§4.1, §4.2)."""
-    limit = jnp.asarray(config.E_time if limit_scale else UNLIMITED, dtype=jnp.float32)
+    limits = scale_limits(config, limit_scale)
     t_attack = walks.each(attack_batch.number(AttackColumn.T_ATTACK))
 
     def begin(edges: Array, length: Array, part: Array, t_attack: Array) -> tuple:
@@ -62,7 +63,7 @@ def judge_tile(
             tables.parts[part, PartColumn.CENTRE],
             t_attack,
             half_frame=half_frame,
-            limit=limit,
+            limits=limits,
         )
         timing = replace(timing, status=jnp.where(length > 0, timing.status, PADDING))
         return timing, chain_transforms(tables, edges, read, timing.scales)
@@ -83,7 +84,12 @@ def judge_tile(
     )
     dt = crop / (walks.each(attack_batch.number(AttackColumn.EVALUATED)) - 1)
     penetration, d, d0 = totals.measured(met, dt)
-    measures = Measures(penetration=penetration, d=d, d0=d0, s_time=timing.s_time)
+    displacement = stage(
+        jnp.asarray(config.w_m) > 0, displacements, tables, walks, placed, attack_batch
+    )
+    measures = Measures(
+        penetration=penetration, d=d, d0=d0, displacement=displacement, s_time=timing.s_time
+    )
     return Judged(timing=timing, measures=measures, scores=score(measures, config))
 
 
@@ -166,17 +172,24 @@ def judge(
     config: AvoidanceConfig,
     *,
     frame_rate: float,
+    unmoved: Float[np.ndarray, "K B"] | None = None,
 ) -> dict[str, np.ndarray]:
     """Energies and timing of all candidates, as NumPy arrays by name; ``order`` ranks them.
 
     The attack is in the planar frame of the node at which the walks begin, and time counts from
-    there. Shapes are padded to a few sizes, so that attacks do not compile anew.
+    there. Shapes are padded to a few sizes, so that attacks do not compile anew. ``unmoved`` is the
+    body that does not react, as :func:`~mgjax.avoidance.attacks.batch.make_attack_batch` takes it;
+    without it there is no movement energy.
     """
+    energy = config.energy
+    if unmoved is None:
+        energy = replace(energy, w_m=0.0)
+        unmoved = np.zeros((MOMENTS, 3 * len(device.radii)), np.float32)
     judged = _judge(
         device,
         pad_candidates(candidates),
-        make_attack_batch(attack, crop, config, 0.0),
-        config.energy,
+        make_attack_batch(attack, crop, config, 0.0, unmoved),
+        energy,
         half_frame=0.5 / frame_rate,
         limit_scale=config.limit_scale,
     )

@@ -1,4 +1,4 @@
-"""From what is measured of a candidate to what it is worth: the three energies (eqs 6, 8–10).
+"""From what is measured of a candidate to what it is worth: its energies (eqs 6, 8–10).
 
 Measures do not depend on the settings of the energies; scores do. A new term is a field of
 :class:`Scores`, a line of :func:`score`, a field of :class:`Energy`, and its settings in
@@ -33,12 +33,15 @@ class Measures:
         penetration: e' (eq. 4), m·s: what the avoidance moved out of the attack's way.
         d: least clearance of attack and body (eq. 7), m; negative where the body is hit.
         d0: the clearance had the body frozen when the avoidance began, m; never clamped here.
+        displacement: how far the body is, on average, from where it would be without a reaction, m
+            (:mod:`mgjax.avoidance.energy.displacement`); 0 where nothing asks for it.
         s_time: factor on the duration of the adjustable edges (eq. 3).
     """
 
     penetration: Float[Array, "*c"]
     d: Float[Array, "*c"]
     d0: Float[Array, "*c"]
+    displacement: Float[Array, "*c"]
     s_time: Float[Array, "*c"]
 
 
@@ -48,15 +51,17 @@ class Scores:
     """What one candidate, or each of many, is worth; smaller is better.
 
     Attributes:
-        total: e (eq. 10).
+        total: e (eq. 10), and the weighted movement energy.
         avoidance: e_avoidance (eq. 6), 0 … 1.
         body: e_body (eq. 8), 0 … 1.
+        movement: e_move, 0 … about 2.
         timescale: e_timescale (eq. 9).
     """
 
     total: Float[Array, "*c"]
     avoidance: Float[Array, "*c"]
     body: Float[Array, "*c"]
+    movement: Float[Array, "*c"]
     timescale: Float[Array, "*c"]
 
 
@@ -65,17 +70,19 @@ class Energy:
     """What a chosen walk was worth and what of it was measured; the fields are those of eqs 4–10.
 
     Attributes:
-        total, avoidance, body, timescale: see :class:`Scores`.
-        penetration, d, d0: see :class:`Measures`.
+        total, avoidance, body, movement, timescale: see :class:`Scores`.
+        penetration, d, d0, displacement: see :class:`Measures`.
     """
 
     total: float
     avoidance: float
     body: float
+    movement: float
     timescale: float
     penetration: float
     d: float
     d0: float
+    displacement: float
 
 
 ROWS = tuple(field.name for kind in (Measures, Scores) for field in fields(kind))
@@ -86,11 +93,13 @@ def score(measures: Measures, config: EnergyConfig) -> Scores:
     """The energies of candidates, and their weighted sum (eqs 6, 8–10)."""
     avoidance = avoidance_energy(measures.penetration, config.E_avoidance)
     body = body_energy(measures.d, measures.d0, config)
-    timescale = time_scale_energy(measures.s_time, config.E_time)
+    movement = movement_energy(measures.displacement, config.D_move)
+    timescale = time_scale_energy(measures.s_time, config.E_time, config.w_speed_up)
     return Scores(
-        total=total_energy(avoidance, body, timescale, config),
+        total=total_energy(avoidance, body, timescale, config, movement),
         avoidance=avoidance,
         body=body,
+        movement=movement,
         timescale=timescale,
     )
 
@@ -134,15 +143,35 @@ def body_energy(
     return jnp.where((excess > _SAME) & (excess < width), excess / width, 1.0)
 
 
-def time_scale_energy(s: Float[Array, "*c"] | float, E_time: Number) -> Float[Array, "*c"]:
+def movement_energy(displacement: Float[Array, "*c"] | float, D_move: Number) -> Float[Array, "*c"]:
+    """e_move: the displacement against not reacting, in units of D_move.
+
+    Deviation:
+        Not the paper's. Its energies ask for a small clearance and a natural speed, and leave open
+        how far the body goes for it.
+
+    Args:
+        displacement: m.
+        D_move: m, > 0.
+    """
+    return _float32(displacement) / _float32(D_move)
+
+
+def time_scale_energy(
+    s: Float[Array, "*c"] | float, E_time: Number, w_speed_up: Number = 1.0
+) -> Float[Array, "*c"]:
     """e_timescale (eq. 9): s/E_time if s > 1, 1/(s E_time) if s < 1; 1/E_time at s = 1.
+
+    With ``w_speed_up`` it is (1 + w_speed_up (1/s − 1))/E_time if s < 1.
 
     Args:
         s: factor on the duration of the adjustable edges, > 0.
         E_time: largest acceptable factor.
+        w_speed_up: how much more speeding up weighs than slowing down; 1 in the paper.
     """
     scale = jnp.maximum(jnp.abs(_float32(s)), 1e-6)
-    return jnp.maximum(scale, 1 / scale) / _float32(E_time)
+    slower, faster = jnp.maximum(scale, 1.0) - 1, jnp.maximum(1 / scale, 1.0) - 1
+    return (1 + slower + _float32(w_speed_up) * faster) / _float32(E_time)
 
 
 def total_energy(
@@ -150,12 +179,14 @@ def total_energy(
     body: Float[Array, "*c"] | float,
     timescale: Float[Array, "*c"] | float,
     config: EnergyConfig,
+    movement: Float[Array, "*c"] | float = 0.0,
 ) -> Float[Array, "*c"]:
-    """e (eq. 10), the weighted sum of the three energies; the smallest wins."""
+    """e (eq. 10), the weighted sum of the energies; the smallest wins."""
     return (
         _float32(config.w_a) * _float32(avoidance)
         + _float32(config.w_b) * _float32(body)
         + _float32(config.w_t) * _float32(timescale)
+        + _float32(config.w_m) * _float32(movement)
     )
 
 

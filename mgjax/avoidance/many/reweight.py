@@ -1,8 +1,9 @@
 """Judged candidates under other settings: what a sweep needs to compute only once.
 
-The penetration e', the clearances d and d0 and the time scale of a candidate do not depend on
-E_avoidance, D_body, E_time and the weights. A whole grid of those is therefore one compiled call
-that ranks the same candidates again, exactly as a search with these settings would.
+The penetration e', the clearances d and d0, the displacement and the time scale of a candidate do
+not depend on E_avoidance, D_body, D_move, E_time, E_fast and the weights. A whole grid of those is
+therefore one compiled call that ranks the same candidates again, exactly as a search with these
+settings would.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from mgjax.avoidance.choice.search import HOPELESS_M
 from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.evaluate import Judged, ranking
 from mgjax.avoidance.energy.score import Scores, score
-from mgjax.avoidance.timing.time_scale import OK, OUT_OF_RANGE
+from mgjax.avoidance.timing.time_scale import OK, OUT_OF_RANGE, scale_limits
 from mgjax.core.arrays import Array
 from mgjax.core.xla.pytree import register
 
@@ -64,13 +65,13 @@ def reweight(judged: Judged, config: EnergyConfig, *, limit_scale: bool) -> Judg
         judged: by :func:`mgjax.avoidance.energy.evaluate.judge_all` with ``limit_scale=False`` and
             the same ``form``; nothing else of the settings it was judged with matters.
         config: the other settings.
-        limit_scale: rejects time scales outside [1/E_time, E_time].
+        limit_scale: rejects time scales outside [1/E_time, E_time] and below 1/E_fast.
     """
     timing = judged.timing
     status = timing.status
     if limit_scale:
-        limit = jnp.asarray(config.E_time, jnp.float32)
-        out = (timing.s_time > limit) | (timing.s_time * limit < 1)
+        slowest, fastest = scale_limits(config, limit_scale)
+        out = (timing.s_time > slowest) | (timing.s_time * fastest < 1)
         status = jnp.where((status == OK) & out, OUT_OF_RANGE, status)
     return Judged(
         timing=replace(timing, status=status),

@@ -31,8 +31,8 @@ class Swept:
         status: number of a :class:`~mgjax.avoidance.choice.results.Status`. [G]
         number: the chosen candidate, or −1. [G]
         time_scale, clearance: of the chosen walk, as a search reports them; NaN without one. [G]
-        penetration, d, d0: of the chosen walk (eqs 4–7); NaN without one. [G]
-        avoidance, body, timescale, total: its energies; NaN without one. [G]
+        penetration, d, d0, displacement: of the chosen walk (eqs 4–7); NaN without one. [G]
+        avoidance, body, movement, timescale, total: its energies; NaN without one. [G]
         usable: candidates that can be timed. [G]
         apart: those of them whose sampled clearance is not negative. [G]
         saturated: how many of the latter have an avoidance energy of 0, of 1, and a body energy of
@@ -48,8 +48,10 @@ class Swept:
     penetration: Float[np.ndarray, " G"]
     d: Float[np.ndarray, " G"]
     d0: Float[np.ndarray, " G"]
+    displacement: Float[np.ndarray, " G"]
     avoidance: Float[np.ndarray, " G"]
     body: Float[np.ndarray, " G"]
+    movement: Float[np.ndarray, " G"]
     timescale: Float[np.ndarray, " G"]
     total: Float[np.ndarray, " G"]
     usable: Int[np.ndarray, " G"]
@@ -106,7 +108,8 @@ def sweep_energies(
         raise ConfigError(f"got culling = {config.culling!r}, expected none in a sweep")
     prepared = prepared_for(graph, config)
     grid = _stack(energies, config, prepared.graph.body_scale)
-    query = ask(prepared, node, attack, config)
+    # Candidates are judged once for all settings, so by every measure.
+    query = ask(prepared, node, attack, replace(config, energy=EnergyConfig()))
     count = len(energies)
     if query is None:
         return _no_answers(count, None, None)

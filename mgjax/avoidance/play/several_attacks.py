@@ -118,7 +118,13 @@ def _clear_of_all(
         return None
     graph, candidates = prepared.graph, query.in_time
     judged = judge(
-        prepared.device, candidates, attack, query.crop, query.config, frame_rate=graph.frame_rate
+        prepared.device,
+        candidates,
+        attack,
+        query.crop,
+        query.config,
+        frame_rate=graph.frame_rate,
+        unmoved=query.unmoved,
     )
     for index in judged["order"][: config.checks]:
         length = int(candidates.length[index])

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 from jaxtyping import Bool, Float, Int
 
+from mgjax.avoidance.config import EnergyConfig
 from mgjax.core.arrays import Array
 from mgjax.core.xla.pytree import register
 
@@ -39,7 +40,7 @@ def time_scale(
     t_attack: Float[Array, "*a"],
     *,
     half_frame: float,
-    limit: Float[Array, ""],
+    limits: tuple[Array, Array],
 ) -> Timing:
     """Scales one walk, or many side by side (eqs 2–3).
 
@@ -49,7 +50,7 @@ def time_scale(
 
     Deviation:
         Where the times agree to half a frame nothing is scaled and nothing need be adjustable. A
-        factor outside [1/limit, limit] is out of range; the paper keeps it (``limit`` = inf).
+        factor out of its limits is out of range; the paper keeps it.
 
     Args:
         seconds: natural duration of each edge, padded. [L] or [L, C]
@@ -58,7 +59,7 @@ def time_scale(
         part_centre: middle of the part within the last edge, s.
         t_attack: s from the beginning of the walk; one for each walk, or one for all.
         half_frame: half a frame of the motion, s.
-        limit: largest factor, and inverse of the smallest.
+        limits: largest factor, and inverse of the smallest.
     """
     index = jnp.arange(seconds.shape[0]).reshape(-1, *[1] * length.ndim)
     last = (length - 1)[None]
@@ -71,7 +72,8 @@ def time_scale(
     exact = jnp.abs(t_avoid - t_attack) <= half_frame
     s = (t_attack - (t_avoid - flexible)) / jnp.maximum(flexible, 1e-6)
     s = jnp.where(exact, 1.0, s)
-    out = (s <= 0) | (s > limit) | (s * limit < 1)
+    slowest, fastest = limits
+    out = (s <= 0) | (s > slowest) | (s * fastest < 1)
     stiff = (flexible < 1e-6) & ~exact
     status = jnp.where(stiff, NOT_ADJUSTABLE, jnp.where(out, OUT_OF_RANGE, OK))
     usable = jnp.where(status == OK, s, 1.0)
@@ -81,3 +83,11 @@ def time_scale(
 
 UNLIMITED = 1e6
 """Largest time scale where the configuration sets no limit."""
+
+
+def scale_limits(config: EnergyConfig, limit_scale: bool) -> tuple[Array, Array]:
+    """The largest time scale, and the inverse of the smallest."""
+    slowest = jnp.asarray(config.E_time if limit_scale else UNLIMITED, dtype=jnp.float32)
+    if not limit_scale:
+        return slowest, slowest
+    return slowest, jnp.minimum(slowest, jnp.asarray(config.E_fast, dtype=jnp.float32))

@@ -23,6 +23,8 @@ LEEWAY = 1.25
 """How much faster (or slower, where a walk is slowed down) than the linear form the smooth one may
 play an edge: room to make up for what it loses while its speed changes."""
 _HALVINGS = 60
+_ROOM = 0.01
+"""Share of the time that must be to spare for a speed to change smoothly."""
 _NOTHING = 1e-9
 """Seconds by which nothing is shown earlier or later."""
 
@@ -65,17 +67,23 @@ def part_moments(graph: MotionGraph, walk: Walk, length: int, part: int) -> Floa
 
 
 def both_warps(
-    graph: MotionGraph, walk: Walk, length: int, part: int, near: tuple[float, float]
+    graph: MotionGraph,
+    walk: Walk,
+    length: int,
+    part: int,
+    near: tuple[float, float],
+    fastest: float = math.inf,
 ) -> tuple[TimeWarp, TimeWarp]:
     """How a walk to an avoidance part is played with one speed per edge, and smoothly.
 
     Args:
         graph, walk, length, part: as of :func:`part_moments`.
         near: when the attack comes near, and when it has gone, s from now.
+        fastest: see :func:`smooth_warp`.
     """
     linear = linear_warp(graph, walk)
     middle = part_moments(graph, walk, length, part)[1:2]
-    return linear, smooth_warp(linear, float(linear.when(middle)[0]), near)
+    return linear, smooth_warp(linear, float(linear.when(middle)[0]), near, fastest)
 
 
 def linear_warp(graph: MotionGraph, walk: Walk) -> TimeWarp:
@@ -86,7 +94,9 @@ def linear_warp(graph: MotionGraph, walk: Walk) -> TimeWarp:
     return TimeWarp(times=np.repeat(starts, 2), positions=np.repeat(natural, 2), speeds=speeds)
 
 
-def smooth_warp(warp: TimeWarp, t_avoid: float, near: tuple[float, float]) -> TimeWarp:
+def smooth_warp(
+    warp: TimeWarp, t_avoid: float, near: tuple[float, float], fastest: float = math.inf
+) -> TimeWarp:
     """A warp that shows the same pose at ``t_avoid``, its speed changing as slowly as it can.
 
     It begins at 1 now and meets ``warp``, position and speed, where the attack comes near; so while
@@ -99,6 +109,8 @@ def smooth_warp(warp: TimeWarp, t_avoid: float, near: tuple[float, float]) -> Ti
     closed form; the rate follows by bisection. Where the walk is slowed down, the same holds upside
     down. When the attack has gone, the speed goes back to 1 at the same rate.
 
+    Where that would take speeds beyond ``fastest``, and no other would do, it is ``warp`` itself.
+
     Deviation:
         Edges that §4.1 does not scale are played up to ``LEEWAY`` times as fast or slow. What
         follows the avoidance is shown earlier or later by a constant time than the scales say.
@@ -108,6 +120,7 @@ def smooth_warp(warp: TimeWarp, t_avoid: float, near: tuple[float, float]) -> Ti
         t_avoid: middle of the avoidance part as ``warp`` shows it, s from now.
         near: when the attack comes near, and when it has gone, s from now. At least half of the
             time up to ``t_avoid`` is used for getting there.
+        fastest: largest speed that ``warp`` does not have itself.
 
     Raises:
         MotionError: ``t_avoid`` is not after now, or edges before it are both sped up and slowed
@@ -124,10 +137,15 @@ def smooth_warp(warp: TimeWarp, t_avoid: float, near: tuple[float, float]) -> Ti
     wanted = runs[-1][1]
     if runs[-1][0] < (t_avoid - meets) * wanted:  # a jump in between
         meets = t_avoid
-    rate, profile = _slowest_change(_runs(warp, meets), meets)
+    first = _runs(warp, meets)
+    if not _has_room(first, meets, fastest):
+        return warp
+    rate, profile = _slowest_change(first, meets, fastest)
     if abs(profile[-1][2] - wanted) > 1e-9:
         meets = t_avoid
-        rate, profile = _slowest_change(runs, meets)
+        if not _has_room(runs, meets, fastest):
+            return warp
+        rate, profile = _slowest_change(runs, meets, fastest)
     speed = profile[-1][2]
     for durations, then in ((max(near[1], t_avoid) - meets, speed), (abs(speed - 1) / rate, 1.0)):
         time, position, before = profile[-1]
@@ -147,33 +165,47 @@ def _runs(warp: TimeWarp, until: float) -> list[_Run]:
     return [(sum(durations for durations, _ in group) * speed, speed) for speed, group in grouped]
 
 
-def _slowest_change(runs: list[_Run], seconds: float) -> tuple[float, list[_Knot]]:
+def _top(speed: float, fastest: float) -> float:
+    """The largest speed at which a run of the given speed may be played."""
+    return min(speed * LEEWAY, max(speed, fastest))
+
+
+def _has_room(runs: list[_Run], seconds: float, fastest: float) -> bool:
+    """Whether runs can be over clearly sooner than they are, if they are sped up at all."""
+    if all(speed <= 1 for _, speed in runs):
+        return True
+    return sum(length / _top(speed, fastest) for length, speed in runs) < seconds * (1 - _ROOM)
+
+
+def _slowest_change(runs: list[_Run], seconds: float, fastest: float) -> tuple[float, list[_Knot]]:
     """The least rate with which some runs are over after the given time, and the speed's knots."""
     faster = any(speed > 1 for _, speed in runs)
     position = sum(length for length, _ in runs)
     # A speed that changes by less than this per second moves the end by half of what is needed.
     low = max(abs(position - seconds), _NOTHING) / seconds**2
     high = 4 * low
-    while (_profile(runs, high)[-1][0] > seconds) == faster:
+    while (_profile(runs, high, fastest)[-1][0] > seconds) == faster:
         low, high = high, 4 * high
     for _ in range(_HALVINGS):
         rate = 0.5 * (low + high)
-        if (_profile(runs, rate)[-1][0] > seconds) == faster:
+        if (_profile(runs, rate, fastest)[-1][0] > seconds) == faster:
             low = rate
         else:
             high = rate
-    return high, _profile(runs, high)
+    return high, _profile(runs, high, fastest)
 
 
-def _profile(runs: list[_Run], rate: float) -> list[_Knot]:
+def _profile(runs: list[_Run], rate: float, fastest: float) -> list[_Knot]:
     """The fastest (or slowest) speed over some runs that changes by ``rate`` a second.
 
     It begins at 1 and ends at that of the last run, or as near to it as it comes.
     """
     # The square of the speed changes by 2 rate for each second of the walk. Slowing down is the
     # same with its sign changed.
-    sign = 1.0 if any(speed > 1 for _, speed in runs) else -1.0
-    bounds = [sign * (speed * LEEWAY**sign) ** 2 for _, speed in runs]
+    if any(speed > 1 for _, speed in runs):
+        sign, bounds = 1.0, [_top(speed, fastest) ** 2 for _, speed in runs]
+    else:
+        sign, bounds = -1.0, [-((speed / LEEWAY) ** 2) for _, speed in runs]
     ends = [sign, *map(min, bounds[:-1], bounds[1:]), sign * runs[-1][1] ** 2]
     for i, (length, _) in enumerate(runs):
         ends[i + 1] = min(ends[i + 1], ends[i] + 2 * rate * length)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
@@ -46,7 +48,7 @@ def selection_show(
         balls=attack_balls(attack),
         lines=[floor_path("path", selection.motion)],
         spans=spans,
-        bars=[] if energy is None else energy_bars(energy.avoidance, energy.body, energy.timescale),
+        bars=[] if energy is None else energy_bars(asdict(energy)),
         notes=selection_notes(selection),
         moments=[(text, at) for text, at in moments if 0 <= at <= seconds],
     )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from mgjax.stage.show.types import Bar
+from collections.abc import Mapping
+
+from mgjax.stage.show.types import Bar, Colour
 
 DROPPED = {
     "culled": "dropped: culled by slices",
@@ -40,10 +42,16 @@ def length_words(metres: float) -> str:
     return f"{100 * metres:.0f} cm"
 
 
-def energy_bars(avoidance: float, body: float, time_scale: float) -> list[Bar]:
-    """The energies of a choice, each of at most 1."""
+def energy_bars(energies: Mapping[str, float]) -> list[Bar]:
+    """The energies of a choice by their names, those of them that are there; 1 fills a bar."""
+    shown: tuple[tuple[str, str, Colour], ...] = (
+        ("avoidance", "avoidance", "blue"),
+        ("body", "body", "orange"),
+        ("movement", "movement", "purple"),
+        ("timescale", "time scale", "green"),
+    )
     return [
-        Bar(name="avoidance", value=avoidance, colour="blue"),
-        Bar(name="body", value=body, colour="orange"),
-        Bar(name="time scale", value=time_scale, colour="green"),
+        Bar(name=words, value=energies[name], of=max(energies[name], 1.0), colour=colour)
+        for name, words, colour in shown
+        if name in energies
     ]

@@ -19,6 +19,7 @@ from mgjax.avoidance.choice.continuation import continue_clear
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.search import HOPELESS_M
 from mgjax.avoidance.choice.selection import Selection, select
+from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig, for_body
 from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.many.attacks import select_batch
@@ -70,8 +71,16 @@ def judged(
         window=config.T_window,
         capacity=config.capacity,
     )
-    rate = graph.frame_rate
-    return found, judge(prepared.device, found, attack, crop, config, frame_rate=rate)
+    query = Query(prepared=prepared, config=config, node=node, attack=attack, crop=crop)
+    return found, judge(
+        prepared.device,
+        found,
+        attack,
+        crop,
+        config,
+        frame_rate=graph.frame_rate,
+        unmoved=query.unmoved,
+    )
 
 
 def test_every_status_occurs(answers: list) -> None:
@@ -142,9 +151,23 @@ def test_the_numbers_of_a_selection(any_graph: MotionGraph, answers: list) -> No
         late = 0.5 / any_graph.frame_rate if chosen.time_scale == 1.0 else 0.0
         assert abs(t_avoid - chosen.crop.middle) <= late + 1e-4
         energy = chosen.energy
-        parts = energy.avoidance + energy.body + energy.timescale
+        own = QUICK.energy
+        parts = energy.avoidance + energy.body + own.w_m * energy.movement + energy.timescale
         np.testing.assert_allclose(energy.total, parts, rtol=1e-5)
         assert 1 / 4 <= chosen.time_scale <= 4
+
+
+def test_a_limit_on_speeding_up(any_graph: MotionGraph, answers: list) -> None:
+    config = replace(QUICK, energy=replace(QUICK.energy, E_fast=1.15))
+    sped_up = [a for a in with_status(answers, "avoided") if a[2].time_scale < 1 / 1.15]
+    assert sped_up
+    for node, attack, before in sped_up[:4]:
+        chosen = select(any_graph, node, attack, config=config)
+        assert chosen.dropped.time_scale >= before.dropped.time_scale
+        if chosen.time_scale is None:
+            continue
+        assert chosen.time_scale >= 1 / 1.15 - 1e-6
+        assert chosen.timing.speeds.max() <= 1.15 + 1e-6
 
 
 def test_the_least_energy_that_passes_wins(any_graph: MotionGraph, answers: list) -> None:

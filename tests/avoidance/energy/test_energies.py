@@ -17,7 +17,7 @@ from mgjax.avoidance.energy.energies import (
     energies,
     energies_batch,
 )
-from mgjax.avoidance.energy.score import time_scale_energy, total_energy
+from mgjax.avoidance.energy.score import movement_energy, time_scale_energy, total_energy
 from mgjax.avoidance.rates import FAR
 from mgjax.core.errors import ConfigError
 from tests.reference import energy as reference
@@ -311,8 +311,15 @@ def test_time_scale_and_total() -> None:
     for value in s:
         wanted = reference.time_scale_energy(float(value), 3.0)
         np.testing.assert_allclose(time_scale_energy(float(value), 3.0), wanted, rtol=1e-6)
+        wanted = reference.time_scale_energy(float(value), 3.0, 4.0)
+        np.testing.assert_allclose(time_scale_energy(float(value), 3.0, 4.0), wanted, rtol=1e-6)
+    # (1 + 4 (1/s − 1))/4 below 1.
+    np.testing.assert_allclose(time_scale_energy(s[:4], 4.0, 4.0), [3.25, 1.25, 0.25, 0.5])
     config = EnergyConfig(w_a=1.0, w_b=10.0, w_t=100.0)
     np.testing.assert_allclose(total_energy(0.1, 0.2, 0.3, config), 0.1 + 2.0 + 30.0, rtol=1e-6)
+    config = dataclasses.replace(config, w_m=5.0)
+    total = total_energy(0.1, 0.2, 0.3, config, movement_energy(0.12, 0.3))
+    np.testing.assert_allclose(total, 0.1 + 2.0 + 30.0 + 5 * 0.4, rtol=1e-6)
 
 
 def test_unswept_distances_bound_the_swept_ones() -> None:

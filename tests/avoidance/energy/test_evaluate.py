@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.batch import evaluated, make_attack_batch
+from mgjax.avoidance.attacks.batch import MOMENTS, evaluated, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
 from mgjax.avoidance.body.edge_tables import speed_classes
 from mgjax.avoidance.body.spheres import sphere_centres
 from mgjax.avoidance.candidates.batch import pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
+from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
 from mgjax.avoidance.energy import accumulate, evaluate
 from mgjax.avoidance.energy.accumulate import TIMES
@@ -30,7 +31,9 @@ from tests.reference import energy as energy_reference
 CONFIGS = {
     "default": AvoidanceConfig(),
     "paper": AvoidanceConfig(
-        energy=EnergyConfig(form="paper", d0="paper", E_avoidance=40.0, w_a=0.5, w_t=2.0),
+        energy=EnergyConfig(
+            form="paper", d0="paper", E_avoidance=40.0, w_a=0.5, w_m=0.0, w_t=2.0, w_speed_up=1.0
+        ),
         speed=SpeedConfig(V_fast=0.3, V_slow=0.1, V_still=0.0),
         limit_scale=False,
     ),
@@ -67,8 +70,18 @@ def judged(
     crop: Crop,
     config: AvoidanceConfig,
 ) -> dict[str, np.ndarray]:
-    device = prepared_for(graph, config).device
-    return judge(device, candidates, attack, crop, config, frame_rate=graph.frame_rate)
+    prepared = prepared_for(graph, config)
+    node = int(graph.edge_source[candidates.edges[0, 0]])
+    query = Query(prepared=prepared, config=config, node=node, attack=attack, crop=crop)
+    return judge(
+        prepared.device,
+        candidates,
+        attack,
+        crop,
+        config,
+        frame_rate=graph.frame_rate,
+        unmoved=query.unmoved,
+    )
 
 
 def slowly(
@@ -122,16 +135,28 @@ def slowly(
         dt=times[1] - times[0],
         config=config.energy,
     )
-    timescale = energy_reference.time_scale_energy(s, config.energy.E_time)
+    e = config.energy
+    timescale = energy_reference.time_scale_energy(s, e.E_time, e.w_speed_up)
+    onward = reference.edges_onward(graph, int(graph.edge_source[edges[0]]), crop.end)
+    moments = [crop.end * k / MOMENTS for k in range(1, MOMENTS + 1)]
+    displacement = energy_reference.displacement(
+        [body(min(time, starts[-1])) for time in moments],
+        [reference.body_at(graph, spheres, onward, [1.0] * len(onward), t) for t in moments],
+    )
+    displacement = displacement if e.w_m > 0 else 0.0  # nothing asks for it
     counted = np.array([*seconds[:-1], 0.5 * (begin + end)])
     free = counted[(fast if counted.sum() > crop.middle else slow)[edges]].sum()
-    e = config.energy
     return {
         "status": status,
         "s_time": s,
         "s_error": 0.0 if s == 1.0 else rounding(counted, crop.middle) / free,
         "timescale": timescale,
-        "total": e.w_a * wanted.avoidance + e.w_b * wanted.body + e.w_t * timescale,
+        "displacement": displacement,
+        "movement": displacement / e.D_move,
+        "total": e.w_a * wanted.avoidance
+        + e.w_b * wanted.body
+        + e.w_m * displacement / e.D_move
+        + e.w_t * timescale,
         **vars(wanted),
     }
 
@@ -164,13 +189,15 @@ def test_agrees_with_the_definitions(any_graph: MotionGraph, name: str, speed: f
         # Where t_attack is all but t_nonadjustable, s_time is a difference of nearly equal numbers
         # and eq. 9 divides by it: 1/s changes by at most Δs / (s (s − Δs)).
         s, error = wanted["s_time"], wanted.pop("s_error") + 1e-6 * wanted["s_time"]
-        change = max(error, error / (s * max(s - error, 1e-9))) / config.energy.E_time
+        e = config.energy
+        faster = max(e.w_speed_up, 1.0) * error / (s * max(s - error, 1e-9))
+        change = max(error, faster) / e.E_time
         for key, value in wanted.items():
             value = min(float(value), FAR)
             allowed = {
                 "s_time": error,
                 "timescale": change + 1e-6 * value,
-                "total": 2e-3 + config.energy.w_t * change,
+                "total": 2e-3 + e.w_m * 1e-3 + e.w_t * change,
                 "penetration": 2e-3 * max(1.0, abs(value)),
             }.get(key, 2e-3)
             assert abs(got[key][index] - value) < allowed, (key, got[key][index], value)

@@ -35,9 +35,10 @@ EDITS = {
         ),
         ("    timescale: float\n", "    timescale: float\n    haste: float\n"),
         (
-            "    return Scores(\n        total=total_energy(avoidance, body, timescale, config),\n",
+            "    return Scores(\n"
+            "        total=total_energy(avoidance, body, timescale, config, movement),\n",
             "    haste = jnp.maximum(1 - measures.s_time, 0.0)\n"
-            "    total = total_energy(avoidance, body, timescale, config)\n"
+            "    total = total_energy(avoidance, body, timescale, config, movement)\n"
             "    return Scores(\n        total=total + _float32(config.w_haste) * haste,\n"
             "        haste=haste,\n",
         ),
@@ -67,7 +68,7 @@ for seed in range(12):
         e, batch = choice.energy, select_batch(graph, [node], [attack], config=config)
         swept = sweep_energies(graph, node, attack, [config.energy])
         assert tuple(Status)[batch.status[0]] == tuple(Status)[swept.status[0]] == choice.status
-        rest = e.total - e.avoidance - e.body - e.timescale
+        rest = e.total - e.avoidance - e.body - e.timescale - config.energy.w_m * e.movement
         rows.append((weight, choice.time_scale, e.haste, rest))
 print(json.dumps(rows))
 """

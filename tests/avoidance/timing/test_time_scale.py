@@ -42,7 +42,7 @@ def scaled(seconds, slow, fast, length, centre, t_attack, limit: float = 4.0) ->
         np.float32(centre),
         np.float32(t_attack),
         half_frame=HALF_FRAME,
-        limit=np.float32(limit),
+        limits=(np.float32(limit), np.float32(limit)),
     )
 
 
@@ -122,7 +122,7 @@ def test_batch_is_a_loop() -> None:
         np.stack([np.asarray(p[k], dtype) for p in problems])
         for k, dtype in enumerate((np.float32, bool, bool, np.int32, np.float32, np.float32))
     ]
-    one = partial(time_scale, half_frame=HALF_FRAME, limit=np.float32(4))
+    one = partial(time_scale, half_frame=HALF_FRAME, limits=(np.float32(4), np.float32(4)))
     batch = jax.jit(jax.vmap(one))(*columns)
     for i in range(len(problems)):
         row = one(*(column[i] for column in columns))

@@ -94,6 +94,26 @@ def test_by_hand(sign: int) -> None:
     np.testing.assert_allclose(passed[1] - passed[0], 9 - back, atol=1e-9)
 
 
+def test_nothing_is_played_faster_than_asked_for() -> None:
+    rng = np.random.default_rng(3)
+    kept = 0
+    for _ in range(40):
+        runs, t_avoid = random_runs(rng)
+        linear = stretches(runs)
+        free = smooth_warp(linear, t_avoid, (0.8 * t_avoid, t_avoid))
+        limit = max(linear.speeds.max(), 1 + rng.uniform(0, 0.3))
+        smooth = smooth_warp(linear, t_avoid, (0.8 * t_avoid, t_avoid), limit)
+        assert smooth.speeds.max() <= limit + 1e-9
+        np.testing.assert_allclose(smooth.at(np.array([t_avoid])), linear.at(np.array([t_avoid])))
+        if free.speeds.max() <= limit:
+            np.testing.assert_allclose(smooth.speeds, free.speeds, atol=1e-6)
+        kept += smooth is linear
+    assert 0 < kept < 20
+    # All of it at the limit: there is no other way.
+    linear = stretches([(4.0, 1.15)])
+    assert smooth_warp(linear, 1.0, (1.0, 1.0), 1.15) is linear
+
+
 def test_against_brute_force() -> None:
     rng = np.random.default_rng(1)
     for _ in range(6):

@@ -23,7 +23,8 @@ def test_the_figures_are_those_of_the_selection(graph, thrown):
     assert show.seconds > selection.crop.end
     assert show.words == avoided_words("avoided", _kind(graph, selection), selection.clearance_m)
     assert [bar.value for bar in show.bars] == [
-        selection.energy.avoidance, selection.energy.body, selection.energy.timescale
+        selection.energy.avoidance, selection.energy.body,
+        selection.energy.movement, selection.energy.timescale,
     ]  # fmt: skip
     notes = dict(show.notes)
     assert notes["candidates"] == str(selection.candidates)

@@ -41,6 +41,7 @@ SEARCH_RANGES = {
     "T_window": (0.1, 3.0),
     "w_a": (0.0, 5.0),
     "w_b": (0.0, 5.0),
+    "w_m": (0.0, 10.0),
     "w_t": (0.0, 5.0),
 }
 """Least and most of each slider."""

@@ -4,10 +4,11 @@ A pick is one JSON object on a line:
 
     {"format": "mgjax-study-1", "trial": 3, "observer": "A", "when": "2026-…",
      "node": 17, "attack": {"radii", "times", "centres"},       as an attack's JSON file has it
-     "settings": {"form", "d0", "E_avoidance", "D_body", "E_time", "w_a", "w_b", "w_t", "T_window"},
+     "settings": {"form", "d0", "E_avoidance", "D_body", "D_move", "E_time", "E_fast", "w_a", "w_b",
+                  "w_m", "w_t", "w_speed_up", "T_window"},
      "candidates": [{"letter", "edges", "scales", "part", "kind", "clearance_m", "energy": {
-                     "total", "avoidance", "body", "timescale", "penetration", "d", "d0"},
-                     "time_scale"}],                             in the order in which they stood
+                     "total", "avoidance", "body", "movement", "timescale", "penetration", "d",
+                     "d0", "displacement"}, "time_scale"}],      in the order in which they stood
      "library": "B", "pick": "A"}
 """
 

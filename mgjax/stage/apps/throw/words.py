@@ -89,15 +89,21 @@ def energy_bars(config: AvoidanceConfig, choice: Choice) -> list[dict[str, Any]]
     if energy is None:
         return []
     terms = [
-        ("avoidance", float(weights.w_a) * energy.avoidance, float(weights.w_a), "blue"),
-        ("body", float(weights.w_b) * energy.body, float(weights.w_b), "orange"),
-        ("time scale", float(weights.w_t) * energy.timescale, float(weights.w_t), "green"),
+        ("avoidance", energy.avoidance, float(weights.w_a), "blue"),
+        ("body", energy.body, float(weights.w_b), "orange"),
+        ("movement", energy.movement, float(weights.w_m), "purple"),
+        ("time scale", energy.timescale, float(weights.w_t), "green"),
     ]
-    whole = max(sum(of for _, _, of, _ in terms), 1e-6)
     bars = [
-        {"name": name, "value": value, "of": max(of, 1e-6), "colour": colour}
-        for name, value, of, colour in terms
+        {
+            "name": name,
+            "value": weight * value,
+            "of": max(weight * max(value, 1.0), 1e-6),
+            "colour": colour,
+        }
+        for name, value, weight, colour in terms
     ]
+    whole = sum(bar["of"] for bar in bars)
     return [*bars, {"name": "total", "value": energy.total, "of": whole, "colour": "grey"}]
 
 

@@ -101,7 +101,7 @@ def bars_of(energy: dict[str, Any] | None) -> list[Bar]:
     """Energies, if there are any."""
     if energy is None:
         return []
-    return energy_bars(*(float(energy[name]) for name in ("avoidance", "body", "timescale")))
+    return energy_bars({name: float(value) for name, value in energy.items()})
 
 
 def notes_of(result: dict[str, Any]) -> list[tuple[str, str]]:

@@ -12,6 +12,7 @@ const SEARCH = [
   ['D_body', 'D, clearance', 'm', 0.01],
   ['w_a', 'Weight: avoidance', '', 0.05],
   ['w_b', 'Weight: body', '', 0.05],
+  ['w_m', 'Weight: movement', '', 0.05],
   ['w_t', 'Weight: time scale', '', 0.05],
 ];
 

@@ -1,0 +1,156 @@
+"""Success over reaction time, also with no edge much faster than captured, and what recovers.
+
+    python -m experiments.avoidance.reaction_time --config \\
+        configs/avoidance/reaction_time.toml --set clips=capture --out out/avoidance/reaction_time
+
+Standard balls that are there in 0.3 … 2 s. A walk has recovered where it avoids the ball, is at a
+node of the graph again within a second after the ball has gone, and until a second after that shows
+no fault: feet that skate no more, windows that are no jerkier, limbs and feet no deeper than in
+uncut capture by the same code (1.1 times the 95th percentile for feet, 0.5 % of the windows above
+its 99.9 % quantile of jerk, 1 cm, 5 mm). So many windows of uncut capture of the same length pass.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.avoidance.graphs import built, graph_of
+from experiments.avoidance.recovery import Recovery
+from experiments.avoidance.throws import Throws, arriving_in, percentiles, standard_throws, wilson
+from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.many.attacks import select_batch
+from mgjax.avoidance.prepared import Prepared, prepared_for
+from mgjax.runs.experiment import Results, experiment
+from mgjax.runs.record import Points
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """What is thrown at which graph, and how soon."""
+
+    graph: str = ""
+    """Folder of a graph; empty: built from the clips at the automatic threshold."""
+    clips: str = ""
+    """Folder of clips with its labels.json; empty: the graph, or the embedded clips."""
+    exclude: tuple[str, ...] = ("bvh_converted/*",)
+    """Globs on paths below the folder of clips that are left out."""
+    balls: int = 400
+    """Standard balls per point."""
+    arrives: tuple[float, ...] = (0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 2.0)
+    """Reaction times: when balls are there, s from now."""
+    fastest: tuple[float, ...] = (0.0, 1.15)
+    """Largest speed-ups of an edge; 0: what the settings allow."""
+    recovers: bool = True
+    """Whether to look at what follows."""
+    seed: int = 0
+    """Draws nodes, sides and heights; the same for all points."""
+    avoidance: AvoidanceConfig = field(default_factory=AvoidanceConfig)
+    """Settings of the search."""
+
+    @classmethod
+    def smoke(cls) -> dict[str, Any]:
+        return {"graph": "", "clips": "", "balls": 3, "arrives": (0.6, 1.2), "fastest": (0.0, 1.15)}
+
+
+def run(config: Config, points: Points) -> Results:
+    """Measures all points; those of an interrupted run with the same settings are taken over."""
+    graph = built(config.clips, config.exclude, threshold_m=None) if config.clips else None
+    prepared = prepared_for(graph or graph_of(config.graph or None), config.avoidance)
+    recovery = Recovery(prepared.graph) if config.recovers else None
+    rows: list[dict[str, Any]] = []
+    for fastest in config.fastest:
+        search = limited(config.avoidance, fastest)
+        for arrives in config.arrives:
+            throws = arriving_in(standard_throws(config.balls, config.seed), arrives)
+
+            def work(search: AvoidanceConfig = search, throws: Throws = throws) -> dict[str, Any]:
+                return measured(prepared, throws, search, recovery)
+
+            row = points.measure(f"{fastest:g}/{arrives:g}", work)
+            rows.append({"fastest": fastest, "arrives": arrives} | row)
+    return Results(
+        metrics={"rows": rows},
+        figures={"reaction_time": lambda: figure(rows)},
+        lines=tuple(_line(row) for row in rows),
+    )
+
+
+def limited(config: AvoidanceConfig, fastest: float) -> AvoidanceConfig:
+    """The settings with a limit on speeding up edges; 0 leaves them as they are."""
+    if not fastest:
+        return config
+    return replace(config, limit_scale=True, energy=replace(config.energy, E_fast=fastest))
+
+
+def measured(
+    prepared: Prepared, throws: Throws, search: AvoidanceConfig, recovery: Recovery | None
+) -> dict[str, Any]:
+    """The shares of one point."""
+    nodes = [throws.node_of(i, prepared.graph) for i in range(len(throws))]
+    attacks = [throws.attack(i) for i in range(len(throws))]
+    answers = select_batch(prepared, nodes, attacks, config=search)
+    avoided = answers.status == Status.AVOIDED.code
+    row = {
+        "avoided": float(avoided.mean()),
+        "avoided_interval": wilson(int(avoided.sum()), len(throws)),
+        "no_candidate": float((answers.status == Status.NO_CANDIDATE.code).mean()),
+        "time_scale_p5_p50_p95": percentiles(answers.time_scale[avoided].tolist(), (5, 50, 95)),
+    }
+    if recovery is None:
+        return row
+    found = recovery.of(
+        prepared,
+        [(nodes[i], attacks[i]) for i in np.flatnonzero(avoided).tolist()],
+        throws.arrives,
+        search,
+    )
+    recovered = found.pop("recovered")
+    return row | {
+        "recovered": recovered / len(throws),
+        "recovered_interval": wilson(recovered, len(throws)),
+        **found,
+    }
+
+
+def figure(rows: list[dict[str, Any]]) -> Figure:
+    """Shares of the balls over the reaction time."""
+    drawn = Figure(figsize=(7.5, 4.8), layout="constrained")
+    axes = drawn.subplots()
+    for number, fastest in enumerate(dict.fromkeys(row["fastest"] for row in rows)):
+        own = [row for row in rows if row["fastest"] == fastest]
+        x = [row["arrives"] for row in own]
+        limit = f", no edge faster than {fastest:g} ×" if fastest else ""
+        low, high = ([100 * row["avoided_interval"][side] for row in own] for side in (0, 1))
+        axes.fill_between(x, low, high, color=f"C{number}", alpha=0.15, linewidth=0)
+        for key, style in (("avoided", "o-"), ("recovered", "s--")):
+            if key in own[0]:
+                y = [100 * row[key] for row in own]
+                axes.plot(x, y, style, color=f"C{number}", label=key + limit)
+    axes.set(xlabel="reaction time, s", ylabel="standard balls, %", ylim=(0, 100))
+    axes.grid(alpha=0.3)
+    axes.legend(frameon=False, fontsize=8)
+    return drawn
+
+
+def _line(row: dict[str, Any]) -> str:
+    low, high = row["avoided_interval"]
+    limit = f" below {row['fastest']:g} ×" if row["fastest"] else ""
+    text = f"{row['arrives']:g} s{limit}: {row['avoided']:.0%} avoided ({low:.0%} … {high:.0%})"
+    if "recovered" in row:
+        text += (
+            f", {row['recovered']:.0%} recovered; of those avoided {row['at_a_node']:.0%} at a node"
+            f" within 1 s, without fault {row['without_fault']:.0%}"
+            f" (uncut capture {row['uncut_without_fault']:.0%}): G1 {row['feet']:.0%}"
+            f" ({row['uncut_feet']:.0%}), G2 {row['smooth']:.0%} ({row['uncut_smooth']:.0%}),"
+            f" G3 {row['solid']:.0%} ({row['uncut_solid']:.0%})"
+        )
+    return text
+
+
+if __name__ == "__main__":
+    experiment(run, Config)
