@@ -12,7 +12,7 @@ from scipy.stats import rankdata
 from mgjax.core import planar
 from mgjax.core.contacts import foot_joints
 from mgjax.core.skeleton import Skeleton
-from mgjax.graph.feet import foot_chains
+from mgjax.graph.feet.legs import foot_chains
 from mgjax.graph.types import NO_CLIP, MotionGraph
 from mgjax.hybrid.body.capsules import Capsules, make_capsules, segment_distance
 

@@ -24,7 +24,7 @@ from mgjax.graph.assemble import assemble
 from mgjax.graph.blending.alignment import same_support
 from mgjax.graph.config import GraphConfig, validate_graph_config
 from mgjax.graph.distance import normalised_weights
-from mgjax.graph.feet import foot_chains
+from mgjax.graph.feet.legs import foot_chains
 from mgjax.graph.minima import Minima, find_minima
 from mgjax.graph.parts.connectivity import connectivity
 from mgjax.graph.parts.margins import allowed_windows
