@@ -178,6 +178,7 @@ def build_graph(
         "seconds_of_clips": float((timeline.stops - timeline.starts).sum() / config.frame_rate),
         "threshold_m": float(threshold),
         "blend": config.blend,
+        "clean_feet": config.clean_feet and chains is not None,
         "minima": len(minima.rows),
         "candidates": len(candidates.leave),
         "labels_total": sum(len(items) for items in by_clip.values()) * (2 if config.mirror else 1),

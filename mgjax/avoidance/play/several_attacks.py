@@ -12,7 +12,7 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.transform import in_frame, shifted
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.checks.fast import clearance_between
-from mgjax.avoidance.checks.written import clearance, sphere_trajectory
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory, write_walk
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import continue_clear
 from mgjax.avoidance.choice.results import Choice, Status
@@ -23,8 +23,9 @@ from mgjax.avoidance.play.timeline import Piece
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.core.errors import AttackError
+from mgjax.graph.feet.course import FeetState
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, make_walk, sample_walk
+from mgjax.graph.walk import Walk, make_walk
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,6 +55,7 @@ def find_path(
     others: Sequence[Attack],
     config: AvoidanceConfig,
     rest: Piece,
+    feet: FeetState | None = None,
 ) -> JointPath:
     """The path of :func:`mgjax.avoidance.choice.choosing.choose`, or one that is clear of all
     attacks.
@@ -69,9 +71,10 @@ def find_path(
         config: settings.
         rest: what is still played until the path begins, in the same frame, and since when (a time
             before 0).
+        feet: what the feet are off where the path begins, in the same frame.
     """
     begin = time.perf_counter()
-    path = _find_path(prepared, node, attack, others, config, rest)
+    path = _find_path(prepared, node, attack, others, config, rest, feet)
     return replace(path, seconds=time.perf_counter() - begin)
 
 
@@ -82,11 +85,19 @@ def _find_path(
     others: Sequence[Attack],
     config: AvoidanceConfig,
     rest: Piece,
+    feet: FeetState | None,
 ) -> JointPath:
+    def as_written(choice: Choice) -> float:
+        seconds = attack.end + config.settle_s
+        spheres = prepared.tables.spheres
+        written = write_walk(prepared.graph, spheres, choice.walk, seconds, None, attack, feet)
+        assert written.clearance is not None, "there is an attack"
+        return written.clearance
+
     begun = in_frame(attack, rest.start, rest.begins)
     touched = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
     try:
-        chosen = choose(prepared, node, attack, config=config)
+        chosen = choose(prepared, node, attack, config=config, as_written=as_written)
     except AttackError:  # it is in the body where the path would begin
         return JointPath(status=Status.HIT, walk=None, joint=False)
     status = Status.HIT if touched else chosen.status
@@ -140,7 +151,7 @@ def played_clearance(graph: MotionGraph, piece: Piece, attack: Attack, since: fl
     """
     first, last = int(np.floor(since * EXPORT_RATE)), int(np.ceil(attack.end * EXPORT_RATE))
     times = np.arange(first, max(last, first + 1) + 1) / EXPORT_RATE
-    motion = sample_walk(graph, piece.walk, times - piece.begins, start=piece.start)
+    motion = piece.sample(graph, times)
     spheres = preset_spheres(graph.skeleton)
     trace = sphere_trajectory(graph, spheres, replace(motion, frame_rate=EXPORT_RATE))
     return clearance(shifted(attack, first / EXPORT_RATE), trace, spheres.radii)[1]

@@ -8,7 +8,7 @@ motion later never changes what comes before, and a motion begins as it is.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
@@ -18,20 +18,20 @@ from jaxtyping import Bool, Float
 from mgjax.core.arrays import Array
 from mgjax.core.xla.pytree import register
 
-STOP_S = 0.03
+STOP_S = 0.012
 """In which the speed of a point that comes to stand falls to 1/e, s."""
-SWING_S = 0.08
+SWING_S = 0.1
 """Time constant at which the offset of a lifted foot fades, s."""
-LEAD_S = 0.12
+LEAD_S = 0.1
 """Time constant at which the root follows the standing feet, s."""
-KEPT = 0.5
+KEPT = 0.6
 """Share of what the root is off that a lifted foot keeps."""
-EASY_M, MOST_M = 0.04, 0.08
+EASY_M, MOST_M = 0.06, 0.10
 """An adult's foot is led back slowly where it is farther than the first from where the led body has
 it, and never farther than the second, m."""
 MOST_LEAD_M = 0.10
 """The root of an adult is led at most so far, m."""
-SLIP_PER_S = 6.0
+SLIP_PER_S = 4.0
 """How fast a foot that is ``MOST_M`` off is led back: the rate of its excess."""
 RISE_M_S = 0.25
 """Speed at which a foot, or the pelvis of an adult, may be moved up or down at least, m/s."""
@@ -46,6 +46,8 @@ ANCHOR_S = 0.06
 class FeetState:
     """What feet and root are off at a moment of a motion, in the world. All zero: nothing.
 
+    Of several moments, all fields have an axis of them before.
+
     Attributes:
         offset: of the ball and the ankle of the left and the right foot, over the floor, m.
         drift: how fast it changes, m/s.
@@ -56,13 +58,13 @@ class FeetState:
         anchor: how much each foot is held by its ball, 0 … 1; the rest by its ankle.
     """
 
-    offset: Float[Array, "2 2 2"]
-    drift: Float[Array, "2 2 2"]
-    lead: Float[Array, "2"]
-    leading: Float[Array, "2"]
-    lift: Float[Array, "2"]
-    drop: Float[Array, ""]
-    anchor: Float[Array, "2"]
+    offset: Float[Array, "*t 2 2 2"]
+    drift: Float[Array, "*t 2 2 2"]
+    lead: Float[Array, "*t 2"]
+    leading: Float[Array, "*t 2"]
+    lift: Float[Array, "*t 2"]
+    drop: Float[Array, "*t"]
+    anchor: Float[Array, "*t 2"]
 
 
 def at_rest() -> FeetState:
@@ -76,6 +78,23 @@ def at_rest() -> FeetState:
         lift=pair,
         drop=np.zeros((), np.float32),
         anchor=np.ones(2, np.float32),
+    )
+
+
+def turned(state: FeetState, angle: float) -> FeetState:
+    """The state in a world that is turned by ``angle`` about +Y, rad (see ``core.planar``)."""
+    c, s = np.cos(angle), np.sin(angle)
+
+    def turn(vector: Array) -> Array:
+        x, z = vector[..., 0], vector[..., 1]
+        return np.stack([x * c + z * s, z * c - x * s], axis=-1).astype(np.float32)
+
+    return replace(
+        state,
+        offset=turn(state.offset),
+        drift=turn(state.drift),
+        lead=turn(state.lead),
+        leading=turn(state.leading),
     )
 
 

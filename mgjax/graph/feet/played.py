@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import jax
 import numpy as np
 from jaxtyping import Bool, Float
 
+from mgjax.core.arrays import Array
 from mgjax.core.errors import SkeletonError
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
+from mgjax.core.shown import like
 from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.graph.cache import cached
@@ -24,6 +26,8 @@ from mgjax.graph.walk import Walk, WalkFrames, frames_at, sample_walk
 
 FRAMES = 64
 """Frames that a call is compiled for, and twice as many, …"""
+FEW_FRAMES = 8
+"""Frames that single poses are compiled for, and eight times as many, …"""
 
 
 def legs_of(graph: MotionGraph) -> FootChains | None:
@@ -78,13 +82,78 @@ def play(
     """:func:`play_walk`, and what the feet are off in each frame. [T, …]"""
     motion = sample_walk(graph, walk, times, start=start)
     if rate is not None:
-        motion = replace(motion, frame_rate=rate)
+        motion = like(replace(motion, frame_rate=float(rate)), motion)
     chains = legs_of(graph)
     state = begin or at_rest()
     if chains is None:
         return motion, jax.tree.map(lambda x: np.repeat(np.asarray(x)[None], len(times), 0), state)
     stands = _stands(graph, frames_at(graph, walk, times))
     return keep_feet(graph.skeleton, chains, motion, stands, scale=graph.body_scale, begin=state)
+
+
+def play_at(
+    graph: MotionGraph,
+    walk: Walk,
+    when: Float[np.ndarray, " T"],
+    *,
+    rate: float,
+    start: Float[np.ndarray, "3"] | None = None,
+    begin: FeetState | None = None,
+) -> Motion:
+    """Poses of a walk at any ascending moments, s, as it is written ``rate`` times a second."""
+    motion = sample_walk(graph, walk, when, start=start)
+    if legs_of(graph) is None or not len(when):
+        return motion
+    times = np.arange(max(int(np.ceil(when[-1] * rate)), 1) + 1) / rate
+    states = play(graph, walk, times, rate=rate, start=start, begin=begin)[1]
+    return with_feet(graph, motion, at_times(states, times, when))
+
+
+def at_times(
+    states: FeetState, times: Float[np.ndarray, " K"], when: Float[np.ndarray, " T"]
+) -> FeetState:
+    """States between those at ascending times, linearly; before and after them, the ends."""
+    low = np.clip(np.searchsorted(times, when, side="right") - 1, 0, max(len(times) - 2, 0))
+    high = np.minimum(low + 1, len(times) - 1)
+    length = times[high] - times[low]
+    share = np.divide(when - times[low], length, out=np.zeros(len(when)), where=length > 0)
+    share = np.clip(share, 0.0, 1.0).astype(np.float32)
+
+    def between(values: np.ndarray) -> np.ndarray:
+        part = share.reshape(-1, *(1,) * (values.ndim - 1))
+        return values[low] * (1 - part) + values[high] * part
+
+    return jax.tree.map(between, states)
+
+
+def with_feet(graph: MotionGraph, motion: Motion, states: FeetState) -> Motion:
+    """Poses as captured, put as the states of their moments have feet and root. [T, …]"""
+    chains = legs_of(graph)
+    if chains is None:
+        return motion
+    count = motion.num_frames
+    size = bucket_size(count, FEW_FRAMES, FEW_FRAMES)
+    origin = np.asarray(motion.root_translation[0], np.float64) * np.array([1.0, 0.0, 1.0])
+    root = (np.asarray(motion.root_translation, np.float64) - origin).astype(np.float32)
+    new_root, rotations = _put(
+        graph.skeleton,
+        pad_axis(root, size),
+        pad_axis(np.asarray(motion.local_rotations, np.float32), size),
+        jax.tree.map(lambda x: pad_axis(x, size), states),
+        np.float32(graph.body_scale),
+        chains=chains,
+    )
+    return _moved(motion, new_root, rotations, origin)
+
+
+def _moved(motion: Motion, root: Array, rotations: Array, origin: Float[np.ndarray, "3"]) -> Motion:
+    count = motion.num_frames
+    new = replace(
+        motion,
+        root_translation=(np.asarray(root)[:count].astype(np.float64) + origin).astype(np.float32),
+        local_rotations=np.asarray(rotations)[:count],
+    )
+    return like(new, motion)
 
 
 def _stands(graph: MotionGraph, played: WalkFrames) -> Bool[np.ndarray, "T 2 2"]:
@@ -130,12 +199,8 @@ def keep_feet(
         np.float32(scale),
         chains=chains,
     )
-    moved = replace(
-        motion,
-        root_translation=(np.asarray(new_root[:count], np.float64) + origin).astype(np.float32),
-        local_rotations=np.asarray(new_rotations[:count]),
-    )
-    return moved, jax.tree.map(lambda x: np.asarray(x[:count]), state)
+    moved = _moved(motion, new_root, new_rotations, origin)
+    return moved, jax.tree.map(lambda x: np.asarray(x)[:count], state)
 
 
 @partial(jax.jit, static_argnames="chains")
@@ -149,7 +214,7 @@ def _kept(
     scale: Float[jax.Array, ""],
     *,
     chains: FootChains,
-) -> tuple[jax.Array, jax.Array, FeetState]:
+) -> tuple[Array, Array, FeetState]:
     positions, turns = forward(skeleton, root, rotations)
     points = positions[:, np.array([chains.balls, chains.ankles]).T]
     hips, ankles = positions[:, np.array(chains.hips)], positions[:, np.array(chains.ankles)]
@@ -157,3 +222,17 @@ def _kept(
     state = course(points, hips, reach, stands, begin, rate=rate, scale=scale)
     new = posed(skeleton, chains, root, rotations, positions, turns, state, scale=scale)
     return *new, state
+
+
+@partial(jax.jit, static_argnames="chains")
+def _put(
+    skeleton: Skeleton,
+    root: Float[jax.Array, "T 3"],
+    rotations: Float[jax.Array, "T J 4"],
+    states: FeetState,
+    scale: Float[jax.Array, ""],
+    *,
+    chains: FootChains,
+) -> tuple[Array, Array]:
+    positions, turns = forward(skeleton, root, rotations)
+    return posed(skeleton, chains, root, rotations, positions, turns, states, scale=scale)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
@@ -20,7 +21,7 @@ the second. A leg that is straighter in the motion may stay so."""
 MOST_TURN = math.radians(25.0)
 """A foot is turned on the floor by less than this, rad."""
 FLAT_M = 0.04
-"""A foot whose ball and ankle are nearer than this over the floor, of an adult, is hardly turned."""
+"""An adult's foot whose ball and ankle are nearer than this over the floor is hardly turned, m."""
 
 
 def leg_lengths(positions: Float[Array, "T J 3"], chains: FootChains) -> Float[Array, "T 2"]:
@@ -42,7 +43,7 @@ def posed(
     skeleton: Skeleton,
     chains: FootChains,
     root: Float[Array, "T 3"],
-    rotations: Float[Array, "T J 4"],
+    rotations: Float[jax.Array, "T J 4"],
     positions: Float[Array, "T J 3"],
     turns: Float[Array, "T J 4"],
     state: FeetState,
