@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Literal
 
 from mgjax.avoidance.attacks.attack import Attack
@@ -169,12 +169,14 @@ def _clearance(draft: Draft) -> float:
 
 def _selection(prepared: Prepared, attack: Attack, choice: Choice, draft: Draft) -> Selection:
     written = draft.written
-    status = choice.status
     if written.clearance is not None:
-        clear = choice.status == Status.AVOIDED and written.clearance >= CLEAR_M
-        status = Status.AVOIDED if clear else Status.HIT
+        clear = written.clearance >= CLEAR_M
+        if clear and choice.status == Status.HIT:  # by kept feet alone
+            dropped = replace(choice.dropped, hit=choice.dropped.hit - 1)
+            choice = replace(choice, dropped=dropped, clear_until=None)
+        choice = replace(choice, status=Status.AVOIDED if clear else Status.HIT)
     values = {field.name: getattr(choice, field.name) for field in fields(choice)}
-    values |= {"status": status, "clearance_m": written.clearance, "walk": written.walk}
+    values |= {"clearance_m": written.clearance, "walk": written.walk}
     selection = Selection(
         **values, warp=draft.form, timing=draft.timing, motion=written.motion, trace=written.trace
     )

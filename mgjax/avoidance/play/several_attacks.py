@@ -12,14 +12,14 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.transform import in_frame, shifted
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.checks.fast import clearance_between
-from mgjax.avoidance.checks.written import clearance, sphere_trajectory, write_walk
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import continue_clear
 from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.energy.evaluate import judge
-from mgjax.avoidance.play.timeline import Piece
+from mgjax.avoidance.play.timeline import Piece, Timeline
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.core.errors import AttackError
@@ -88,11 +88,13 @@ def _find_path(
     feet: FeetState | None,
 ) -> JointPath:
     def as_written(choice: Choice) -> float:
-        seconds = attack.end + config.settle_s
-        spheres = prepared.tables.spheres
-        written = write_walk(prepared.graph, spheres, choice.walk, seconds, None, attack, feet)
-        assert written.clearance is not None, "there is an attack"
-        return written.clearance
+        line = Timeline(prepared.graph, node, feet=feet)
+        for edge, scale in zip(
+            choice.walk.edges.tolist(), choice.walk.scales.tolist(), strict=True
+        ):
+            line.append(edge, scale)
+        piece = line.between(0.0, attack.end + 1 / EXPORT_RATE, feet=True)
+        return played_clearance(prepared.graph, piece, attack, 0.0)
 
     begun = in_frame(attack, rest.start, rest.begins)
     touched = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M

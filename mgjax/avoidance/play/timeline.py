@@ -70,6 +70,7 @@ class Timeline:
         node: where the body stands at the beginning.
         start: its planar frame in the world; default: at the origin, heading +Z.
         begin: the beginning, s.
+        feet: what the feet are off then, in the world; default: nothing.
     """
 
     def __init__(
@@ -78,6 +79,7 @@ class Timeline:
         node: int,
         start: Float[np.ndarray, "3"] | None = None,
         begin: float = 0.0,
+        feet: FeetState | None = None,
     ) -> None:
         self.graph = graph
         self.node = node
@@ -87,7 +89,7 @@ class Timeline:
         self.starts = [begin]
         inverse = np.asarray(planar.inverse(graph.node_plane[node].astype(np.float64)))
         self._places = [tuple(float(v) for v in planar.compose(self.start, inverse))]
-        self._feet = [at_rest()]
+        self._feet = [feet or at_rest()]
         self._followed: OrderedDict[tuple[int, bool], PlayedFeet] = OrderedDict()
 
     @property
@@ -122,7 +124,7 @@ class Timeline:
     def feet_at_end(self) -> FeetState:
         """What the feet are off, in the world, where the last edge arrives."""
         if not self.edges or legs_of(self.graph) is None:
-            return at_rest()
+            return self._feet[0]
         states = self._follow(len(self.edges) - 1).states
         return jax.tree.map(lambda x: x[-1], states)
 

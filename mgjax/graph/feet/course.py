@@ -145,7 +145,7 @@ def _step(state: FeetState, row: tuple[Array, ...], dt: Array, size: Array) -> F
         _standing(state, speed, before, dt, size),
         _swinging(state, dt),
     )
-    offset = _within(state.offset + dt * drift, state.lead, MOST_M * size)
+    offset = _within(state.offset + dt * drift, state.lead[None, None], MOST_M * size)
     drift = (offset - state.offset) / dt
     on = stands.astype(offset.dtype)
     # The root: after the mean of the standing points, or of all where none stands.
@@ -160,7 +160,7 @@ def _step(state: FeetState, row: tuple[Array, ...], dt: Array, size: Array) -> F
     least = RISE_M_S * size * dt
     lift = _after(state.lift, sunk, jnp.maximum(down * dt, least), dt)
     ankle = ankle + jnp.stack([offset[:, 1, 0], lift, offset[:, 1, 1]], axis=-1)
-    place = hip + jnp.stack([lead[0], jnp.zeros_like(lead[0]), lead[1]])
+    place = hip + jnp.stack([lead[0], jnp.zeros_like(lead[0]), lead[1]])[None]
     gap = place - ankle
     flat = jnp.sum(gap[:, ::2] ** 2, axis=-1)
     short = gap[:, 1] - jnp.sqrt(jnp.maximum(reach**2 - flat, 1e-8))
@@ -184,7 +184,7 @@ def _step(state: FeetState, row: tuple[Array, ...], dt: Array, size: Array) -> F
 def _standing(state: FeetState, speed: Array, before: Array, dt: Array, size: Array) -> Array:
     """The drift of points that stand: they come to rest in the world, and slip if far off."""
     rest = (before + state.drift) * jnp.exp(-dt / STOP_S)
-    off = state.offset - state.lead
+    off = state.offset - state.lead[None, None]
     far = jnp.sqrt(jnp.maximum(jnp.sum(off * off, axis=-1, keepdims=True), 1e-12))
     excess = jnp.maximum(far - EASY_M * size, 0.0) / ((MOST_M - EASY_M) * size)
     slip = SLIP_PER_S * excess**2 * jnp.minimum(excess, 1.0)
@@ -193,7 +193,7 @@ def _standing(state: FeetState, speed: Array, before: Array, dt: Array, size: Ar
 
 def _swinging(state: FeetState, dt: Array) -> Array:
     """The drift of points that are lifted: what they are off fades."""
-    off = state.offset - KEPT * state.lead
+    off = state.offset - KEPT * state.lead[None, None]
     return _damped(off, state.drift, 1.0 / SWING_S, dt)[1]
 
 
