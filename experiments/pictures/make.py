@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,14 +18,15 @@ from PIL import Image
 
 from experiments.pictures.applications import photograph
 from mgjax.avoidance.attacks.ball import ball_from
-from mgjax.avoidance.checks.written import walk_motion
 from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.play.timeline import Timeline
+from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
+from mgjax.graph.feet.course import turned
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import make_walk
 from mgjax.hybrid.paths.search import follow
 from mgjax.hybrid.paths.sketch import make_sketch
 from mgjax.io.output import replace_file
@@ -65,28 +67,26 @@ def dodged(graph: MotionGraph) -> Show:
     """Balls one after another, all of them avoided: others are thrown until they are."""
     config = AvoidanceConfig(warp="linear")  # the motions follow one another at natural speed
     rng = np.random.default_rng(0)
-    node, now = int(rng.integers(graph.num_nodes)), 0.0
+    line = Timeline(graph, int(rng.integers(graph.num_nodes)))
     throws: list[Thrown] = []
     for tried in range(TRIES):
         height = HEIGHTS_M[len(throws)]
         ball = ball_from(float(rng.uniform(-1.3, 1.3)), height)
-        chosen = select(graph, node, ball, config=config, seed=tried)
+        place, now = line.frame_at_end(), line.end
+        feet = turned(line.feet_at_end(), -float(place[0]))
+        chosen = select(graph, line.node, ball, config=config, seed=tried, begin=feet)
         if chosen.status != "avoided" or not 0.01 < (chosen.clearance_m or 0.0) < 0.4:
             if not throws:
-                node = int(rng.integers(graph.num_nodes))
+                line = Timeline(graph, int(rng.integers(graph.num_nodes)))
             continue
-        throws.append(Thrown(now=now, attack=ball, selection=chosen))
-        now += float(chosen.walk.starts(graph)[-1])
-        node = int(graph.edge_target[chosen.walk.edges[-1]])
+        throws.append(Thrown(now=now, attack=ball, selection=chosen, place=place))
+        for edge, scale in zip(chosen.walk.edges, chosen.walk.scales, strict=True):
+            line.append(int(edge), float(scale))
         if len(throws) == len(HEIGHTS_M):
             break
-    walks = [throw.selection.walk for throw in throws]
-    walk = make_walk(
-        graph,
-        np.concatenate([walk.edges for walk in walks]),
-        np.concatenate([walk.scales for walk in walks]),
-    )
-    return throws_show(graph, walk_motion(graph, walk, now), throws, title="Throws")
+    times = np.arange(int(np.ceil(line.end * EXPORT_RATE - 1e-6)) + 1) / EXPORT_RATE
+    motion = replace(line.sample(times), frame_rate=EXPORT_RATE)
+    return throws_show(graph, motion, throws, title="Throws")
 
 
 def save_moving(path: Path, show: Show, *, seconds: float) -> None:

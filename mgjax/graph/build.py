@@ -25,7 +25,7 @@ from mgjax.graph.blending.alignment import same_support
 from mgjax.graph.config import GraphConfig, validate_graph_config
 from mgjax.graph.distances.distance import normalised_weights
 from mgjax.graph.distances.minima import Minima, find_minima
-from mgjax.graph.feet import foot_chains
+from mgjax.graph.feet.legs import foot_chains
 from mgjax.graph.parts.connectivity import connectivity
 from mgjax.graph.parts.margins import allowed_windows
 from mgjax.graph.prune import (
@@ -178,6 +178,7 @@ def build_graph(
         "seconds_of_clips": float((timeline.stops - timeline.starts).sum() / config.frame_rate),
         "threshold_m": float(threshold),
         "blend": config.blend,
+        "clean_feet": config.clean_feet and chains is not None,
         "minima": len(minima.rows),
         "candidates": len(candidates.leave),
         "labels_total": sum(len(items) for items in by_clip.values()) * (2 if config.mirror else 1),

@@ -36,7 +36,8 @@ class GraphConfig:
             and numbers.
         mirror: adds a left-right mirrored copy of every clip.
         retarget: puts clips of other skeletons on the graph's.
-        clean_feet: keeps planted feet in place within transitions.
+        clean_feet: keeps planted feet in place, within transitions and in all that is played of
+            the graph (:mod:`mgjax.graph.feet`).
         blend: ``"support"``, a crossfade of windows aligned by the feet that stand in both, which
             also lead the root; ``"paper"``, the plain crossfade (eqs 2–5); ``"smooth"``, one whose
             acceleration does not jump either; ``"inertial"``, the second window plus an offset that

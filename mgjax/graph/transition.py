@@ -15,7 +15,8 @@ from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.graph.blending.alignment import align, align_by_support
 from mgjax.graph.blending.forms import blend_form
 from mgjax.graph.blending.mixing import Window, mix
-from mgjax.graph.feet import FootChains, keep_plants
+from mgjax.graph.feet.blended import keep_plants
+from mgjax.graph.feet.legs import FootChains
 from mgjax.graph.plants import inherited_frames
 
 CHUNK = 256

@@ -8,10 +8,14 @@ import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_from
+from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.clips.synthetic import synthetic_skeleton
 from mgjax.core.kinematics import planar_frames
+from mgjax.core.motion import Motion
+from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.transition import frame_positions
 from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import Walk, sample_walk
 
 TARGET_RATE = 30.0
 
@@ -116,3 +120,14 @@ def with_knots(attack: Attack, count: int) -> Attack:
     """The same attack with evenly spaced knots."""
     times = np.linspace(attack.start, attack.end, count)
     return replace(attack, times=times, centres=attack.at(times))
+
+
+def captured_motion(
+    graph: MotionGraph, walk: Walk, seconds: float, warp: TimeWarp | None = None
+) -> Motion:
+    """The motion of a walk as captured, at the rate at which it is written: its feet not kept."""
+    times = np.arange(max(int(np.ceil(seconds * EXPORT_RATE - 1e-6)) + 1, 2)) / EXPORT_RATE
+    if warp is None:
+        return sample_walk(graph, walk, times)
+    plain = Walk(edges=walk.edges, scales=np.ones(len(walk.edges)))
+    return replace(sample_walk(graph, plain, warp.at(times)), frame_rate=EXPORT_RATE)

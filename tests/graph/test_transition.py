@@ -7,7 +7,7 @@ import pytest
 
 from mgjax.core.motion import Motion
 from mgjax.graph.distances.distance import normalised_weights
-from mgjax.graph.feet import foot_chains
+from mgjax.graph.feet.legs import foot_chains
 from mgjax.graph.transition import CHUNK, build_transitions
 from tests.graph.made import BODY, march, places
 from tests.reference import graph as reference

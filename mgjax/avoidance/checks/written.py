@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -13,10 +13,11 @@ from mgjax.avoidance.rates import CHECK_RATE, EXPORT_RATE, FAR
 from mgjax.avoidance.timing.walk_warps import natural_starts
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion, sample
-from mgjax.core.shown import made_of
 from mgjax.core.timing.time_warp import TimeWarp
+from mgjax.graph.feet.course import FeetState
+from mgjax.graph.feet.played import play_walk
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, extend, sample_walk
+from mgjax.graph.walk import Walk, extend
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,6 +52,7 @@ def write_walk(
     seconds: float,
     warp: TimeWarp | None,
     attack: Attack | None,
+    begin: FeetState | None = None,
 ) -> WrittenWalk:
     """Makes the motion of a walk and checks that very motion.
 
@@ -60,31 +62,36 @@ def write_walk(
         seconds: from now until it is over.
         warp: which moment of the walk as captured is shown when; None: as its scales say.
         attack: what it has to be clear of, if anything.
+        begin: what the feet are off now, from what was played before; default: nothing.
     """
     if warp is not None:
         beyond = float(warp.at(np.array([seconds]))[0] - natural_starts(graph, walk)[-1])
         walk = extend(graph, walk, float(walk.starts(graph)[-1]) + beyond)
-    motion = walk_motion(graph, walk, seconds, warp)
+    motion = walk_motion(graph, walk, seconds, warp, begin)
     trace = sphere_trajectory(graph, spheres, motion)
     exact = None if attack is None else clearance(attack, trace, spheres.radii)[1]
     return WrittenWalk(walk=walk, motion=motion, trace=trace, clearance=exact)
 
 
 def walk_motion(
-    graph: MotionGraph, walk: Walk, seconds: float, warp: TimeWarp | None = None
+    graph: MotionGraph,
+    walk: Walk,
+    seconds: float,
+    warp: TimeWarp | None = None,
+    begin: FeetState | None = None,
 ) -> Motion:
-    """The motion of a walk from now on, at the rate at which it is written.
+    """The motion of a walk from now on, at the rate at which it is written, with its feet kept.
 
     With a ``warp`` that says which moment of the walk as captured is shown when; else as the scales
-    of the walk say.
+    of the walk say. ``begin`` is what the feet are off now, from what was played before; without it
+    the first frame is as captured.
     """
     count = int(np.ceil(seconds * EXPORT_RATE - 1e-6)) + 1
     times = np.arange(max(count, 2)) / EXPORT_RATE
     if warp is None:
-        return sample_walk(graph, walk, times)
+        return play_walk(graph, walk, times, begin=begin)
     captured = Walk(edges=walk.edges, scales=np.ones(len(walk.edges)))
-    motion = replace(sample_walk(graph, captured, warp.at(times)), frame_rate=EXPORT_RATE)
-    return made_of(motion, graph.skeleton)
+    return play_walk(graph, captured, warp.at(times), rate=EXPORT_RATE, begin=begin)
 
 
 def sphere_trajectory(

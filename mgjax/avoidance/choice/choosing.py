@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +27,7 @@ def choose(
     config: AvoidanceConfig,
     seed: int = 0,
     index: CandidateIndex | None = None,
+    as_written: Callable[[Choice], float] | None = None,
 ) -> Choice:
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
@@ -34,9 +36,13 @@ def choose(
     attack touches are looked up (§5.1); where none of them is clear, the others that are in time
     follow. Where the index cannot say, all are enumerated. Where none within ``T_window`` is clear,
     all within ``T_wide`` are tried.
+
+    It judges captured motion, which the feet of a written one differ from by centimetres; with
+    ``as_written``, the clearance of a choice as it would be written (m), a candidate has to be
+    clear as that, too.
     """
     prepared = prepared_for(graph, config, index)
-    query = ask(prepared, node, attack, config)
+    query = ask(prepared, node, attack, config, as_written)
     if query is None:
         return _nothing(prepared, node, attack, config, seed)
     decision = _decided(query)

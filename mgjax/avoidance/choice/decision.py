@@ -17,7 +17,7 @@ from mgjax.avoidance.choice.search import (
     search_candidates,
 )
 from mgjax.avoidance.choice.start import Query
-from mgjax.avoidance.choice.verify import pick_first_clear
+from mgjax.avoidance.choice.verify import Verdict, pick_first_clear
 from mgjax.avoidance.culling.cull import without_culled
 from mgjax.avoidance.energy.score import ROWS, Energy
 from mgjax.avoidance.timing.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE, PADDING
@@ -83,27 +83,37 @@ def decide(
     # Without hope for any the one that is touched least stands for all.
     hopeful = max(int(np.count_nonzero(fit & (table[DEPTH] >= -HOPELESS_M))), 1)
     order = np.asarray(result.order)[: min(hopeful, query.config.checks)]
-    number, verdict, touched = pick_first_clear(query, order, padded, result)
+
+    def choice_of(number: int, verdict: Verdict) -> Choice:
+        values = dict(zip(ROWS, table[:STATUS, number].tolist(), strict=True))
+        played = verdict.played
+        return Choice(
+            status=Status.AVOIDED if verdict.clear else Status.HIT,
+            node=query.node,
+            walk=played.walk,
+            path_length=int(padded.walks.length[number]),
+            part=int(padded.walks.part[number]),
+            time_scale=values.pop("s_time"),
+            candidates=total,
+            energy=Energy(**values),
+            clearance_m=played.clearance,
+            clear_until=None if verdict.clear else played.clear_until,
+            crop=query.crop,
+        )
+
+    written = query.as_written
+    number, verdict, touched = pick_first_clear(
+        query,
+        order,
+        padded,
+        result,
+        None if written is None else lambda n, found: written(choice_of(n, found)),
+    )
     if not verdict.clear:
         touched += usable - hopeful
         dropped = replace(dropped, overflow=dropped.overflow + hopeful - len(order))
     dropped = replace(dropped, hit=touched)
-    values = dict(zip(ROWS, table[:STATUS, number].tolist(), strict=True))
-    played = verdict.played
-    choice = Choice(
-        status=Status.AVOIDED if verdict.clear else Status.HIT,
-        node=query.node,
-        walk=played.walk,
-        path_length=int(padded.walks.length[number]),
-        part=int(padded.walks.part[number]),
-        time_scale=values.pop("s_time"),
-        candidates=total,
-        dropped=dropped,
-        energy=Energy(**values),
-        clearance_m=played.clearance,
-        clear_until=None if verdict.clear else played.clear_until,
-        crop=query.crop,
-    )
+    choice = replace(choice_of(number, verdict), dropped=dropped)
     return Decision(choice=choice, candidates=total, dropped=dropped)
 
 

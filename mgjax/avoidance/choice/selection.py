@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Literal
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.checks.written import SphereTrajectory, write_walk
+from mgjax.avoidance.checks.written import SphereTrajectory, WrittenWalk, write_walk
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.prepared import Prepared, prepared_for
-from mgjax.avoidance.rates import CLEAR_M
+from mgjax.avoidance.rates import CLEAR_M, FAR
 from mgjax.avoidance.timing.walk_warps import both_warps, linear_warp
 from mgjax.core.motion import Motion
 from mgjax.core.shown import Shown, made_of
 from mgjax.core.timing.time_warp import TimeWarp
+from mgjax.graph.feet.course import FeetState
 from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import Walk
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,6 +53,7 @@ def select(
     config: AvoidanceConfig | None = None,
     seed: int = 0,
     index: CandidateIndex | None = None,
+    begin: FeetState | None = None,
 ) -> Selection:
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
@@ -58,8 +61,8 @@ def select(
     avoidance part whose middle is within T_window/2 of the middle of the cropped attack (eq. 1);
     each is scaled in time to meet it (eq. 3) and judged by its energies (eq. 10). In the order of
     their energy they are checked exactly, by forward kinematics, against the whole attack, and the
-    first that stays clear wins. What follows its end is chosen so that it stays clear until
-    ``settle_s`` after the attack.
+    first that stays clear wins: as captured and as it is written, with its feet kept. What follows
+    its end is chosen so that it stays clear until ``settle_s`` after the attack.
 
     Args:
         graph: a motion graph with labelled avoidance parts, or what
@@ -70,6 +73,8 @@ def select(
         seed: for the walk that is taken where there is no candidate.
         index: of the graph (:func:`mgjax.avoidance.build_index`), in which candidates are looked up
             (§5.1); without it, or where it holds none that is clear, they are enumerated.
+        begin: what the feet are off now, in the planar frame of the node, from what was played
+            before; default: nothing, and the first pose is that of the node.
 
     Raises:
         AttackError: the attack is not finite, or begins inside the body.
@@ -77,23 +82,58 @@ def select(
     """
     config = config or AvoidanceConfig()
     prepared = prepared_for(graph, config, index)
-    choice = choose(prepared, node, attack, config=config, seed=seed)
-    return write(prepared, attack, choice, config)
+    made: list[tuple[Walk, Draft]] = []
+
+    def as_written(choice: Choice) -> float:
+        draft = draft_of(prepared, attack, choice, config, begin)
+        made[:] = [(choice.walk, draft)]
+        return _clearance(draft)
+
+    choice = choose(prepared, node, attack, config=config, seed=seed, as_written=as_written)
+    if choice.status == Status.AVOIDED and made and made[0][0] is choice.walk:
+        return _selection(prepared, attack, choice, made[0][1])
+    return write(prepared, attack, choice, config, begin)
 
 
-def write(prepared: Prepared, attack: Attack, choice: Choice, config: AvoidanceConfig) -> Selection:
+def write(
+    prepared: Prepared,
+    attack: Attack,
+    choice: Choice,
+    config: AvoidanceConfig,
+    begin: FeetState | None = None,
+) -> Selection:
     """Makes the motion of a choice, and checks that very motion once more.
 
     Its clearance, and so the status, come from the forward kinematics of what is written. A choice
     that is clear is played smoothly if it is clear then, too.
     """
+    return _selection(prepared, attack, choice, draft_of(prepared, attack, choice, config, begin))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Draft:
+    """A choice as it is written, and how it is played."""
+
+    form: Literal["smooth", "linear"]
+    timing: TimeWarp
+    written: WrittenWalk
+
+
+def draft_of(
+    prepared: Prepared,
+    attack: Attack,
+    choice: Choice,
+    config: AvoidanceConfig,
+    begin: FeetState | None,
+) -> Draft:
+    """Writes a choice: smoothly where it is clear then, else with one speed per edge."""
     fastest = float(config.energy.E_fast) if config.limit_scale else math.inf
     linear, smooth = both_timings(prepared.graph, choice, fastest)
     if config.warp == "smooth" and choice.status == Status.AVOIDED and smooth is not linear:
-        selection = _write(prepared, attack, choice, config, "smooth", smooth)
-        if selection.status == Status.AVOIDED:
-            return selection
-    return _write(prepared, attack, choice, config, "linear", linear)
+        draft = _draft(prepared, attack, choice, config, "smooth", smooth, begin)
+        if _clearance(draft) >= CLEAR_M:
+            return draft
+    return _draft(prepared, attack, choice, config, "linear", linear, begin)
 
 
 def both_timings(
@@ -107,14 +147,15 @@ def both_timings(
     return both_warps(graph, walk, choice.path_length, part, (crop.start, crop.end), fastest)
 
 
-def _write(
+def _draft(
     prepared: Prepared,
     attack: Attack,
     choice: Choice,
     config: AvoidanceConfig,
     form: Literal["smooth", "linear"],
     timing: TimeWarp,
-) -> Selection:
+    begin: FeetState | None,
+) -> Draft:
     written = write_walk(
         prepared.graph,
         prepared.tables.spheres,
@@ -122,14 +163,26 @@ def _write(
         attack.end + config.settle_s,
         timing if form == "smooth" else None,
         None if choice.part is None else attack,
+        begin,
     )
-    status = choice.status
+    return Draft(form=form, timing=timing, written=written)
+
+
+def _clearance(draft: Draft) -> float:
+    return FAR if draft.written.clearance is None else draft.written.clearance
+
+
+def _selection(prepared: Prepared, attack: Attack, choice: Choice, draft: Draft) -> Selection:
+    written = draft.written
     if written.clearance is not None:
-        clear = choice.status == Status.AVOIDED and written.clearance >= CLEAR_M
-        status = Status.AVOIDED if clear else Status.HIT
+        clear = written.clearance >= CLEAR_M
+        if clear and choice.status == Status.HIT:  # by kept feet alone
+            dropped = replace(choice.dropped, hit=choice.dropped.hit - 1)
+            choice = replace(choice, dropped=dropped, clear_until=None)
+        choice = replace(choice, status=Status.AVOIDED if clear else Status.HIT)
     values = {field.name: getattr(choice, field.name) for field in fields(choice)}
-    values |= {"status": status, "clearance_m": written.clearance, "walk": written.walk}
+    values |= {"clearance_m": written.clearance, "walk": written.walk}
     selection = Selection(
-        **values, warp=form, timing=timing, motion=written.motion, trace=written.trace
+        **values, warp=draft.form, timing=draft.timing, motion=written.motion, trace=written.trace
     )
     return made_of(selection, prepared.graph, attack)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,6 +15,7 @@ from mgjax.avoidance.attacks.batch import MOMENTS, AttackBatch, make_attack_batc
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
 from mgjax.avoidance.body.unmoved import spheres_onward
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
+from mgjax.avoidance.choice.results import Choice
 from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.prepared import Prepared
 from mgjax.core.errors import AttackError, ConfigError
@@ -29,6 +31,8 @@ class Query:
         node: where the walks begin.
         attack: in the planar frame of the node, its times counted from there.
         crop: the part of it that counts for energies and timing.
+        as_written: the clearance of a choice as it would be written, feet kept, m. A candidate that
+            is clear as captured and not as written is not taken. None: captured motion decides.
     """
 
     prepared: Prepared
@@ -36,6 +40,7 @@ class Query:
     node: int
     attack: Attack
     crop: Crop
+    as_written: Callable[[Choice], float] | None = None
 
     @property
     def until(self) -> float:
@@ -74,8 +79,16 @@ class Query:
         return unmoved.reshape(MOMENTS, -1)
 
 
-def ask(prepared: Prepared, node: int, attack: Attack, config: AvoidanceConfig) -> Query | None:
+def ask(
+    prepared: Prepared,
+    node: int,
+    attack: Attack,
+    config: AvoidanceConfig,
+    as_written: Callable[[Choice], float] | None = None,
+) -> Query | None:
     """The query of a character at a node; None if the attack never comes near.
+
+    ``as_written``: see :class:`Query`.
 
     Raises:
         ConfigError: no such node.
@@ -86,7 +99,14 @@ def ask(prepared: Prepared, node: int, attack: Attack, config: AvoidanceConfig) 
     crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
     if crop is None:
         return None
-    return Query(prepared=prepared, config=config, node=node, attack=attack, crop=crop)
+    return Query(
+        prepared=prepared,
+        config=config,
+        node=node,
+        attack=attack,
+        crop=crop,
+        as_written=as_written,
+    )
 
 
 def validate_start(prepared: Prepared, node: int, attack: Attack) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import jax
@@ -93,7 +93,11 @@ def verify(query: Query, candidate: Bounded) -> Verdict:
 
 
 def pick_first_clear(
-    query: Query, order: Int[np.ndarray, " K"], padded: SearchInput, result: SearchResult
+    query: Query,
+    order: Int[np.ndarray, " K"],
+    padded: SearchInput,
+    result: SearchResult,
+    as_written: Callable[[int, Verdict], float] | None = None,
 ) -> tuple[int, Verdict, int]:
     """Goes through candidates in their order; the first that stays clear wins.
 
@@ -114,6 +118,11 @@ def pick_first_clear(
             touched += 1
             continue
         verdict = verify(query, candidate)
+        if verdict.clear and as_written is not None:
+            written = as_written(candidate.number, verdict)
+            if written < CLEAR_M:
+                touching = replace(verdict.played, clearance=written)
+                verdict = Verdict(clear=False, played=touching)
         if verdict.clear:
             return candidate.number, verdict, touched
         touched += 1

@@ -13,6 +13,7 @@ from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.play.clocks import Ticket
 from mgjax.avoidance.play.several_attacks import JointPath
 from mgjax.avoidance.rates import CLEAR_M
+from mgjax.graph.feet.course import FeetState
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -24,12 +25,14 @@ class Asked:
         place: planar frame of the body there, in the world. [3]
         begins: when it begins, s on the planner's clock.
         attack: in that frame, its times counted from then.
+        feet: what the feet are off then, in the world.
     """
 
     node: int
     place: Float[np.ndarray, "3"]
     begins: float
     attack: Attack
+    feet: FeetState
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

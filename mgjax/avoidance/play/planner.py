@@ -23,6 +23,7 @@ from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.core import planar
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.core.motion import Motion
+from mgjax.graph.feet.course import turned
 from mgjax.graph.types import MotionGraph
 
 
@@ -234,8 +235,18 @@ class Planner:
             start=np.asarray(planar.compose(planar.inverse(place), begun.start)),
         )
         attack = in_frame(thrown.attack, place, line.end)
-        thrown.asked = Asked(node=line.node, place=place, begins=line.end, attack=attack)
-        call = partial(find_path, self._prepared, line.node, attack, others, self._config, rest)
+        feet = line.feet_at_end()
+        thrown.asked = Asked(node=line.node, place=place, begins=line.end, attack=attack, feet=feet)
+        call = partial(
+            find_path,
+            self._prepared,
+            line.node,
+            attack,
+            others,
+            self._config,
+            rest,
+            turned(feet, -float(place[0])),
+        )
         self._pending = (thrown, self._searches.submit(now, call), now)
 
     def _accept(self, thrown: Thrown, path: JointPath, now: float) -> None:
@@ -263,6 +274,7 @@ class Planner:
     def _check(self, thrown: Thrown, now: float) -> Ticket:
         """Hands in the exact check of what was played while the attack was there."""
         since = max(thrown.known, thrown.attack.start)
-        piece = self.timeline.between(since - 1 / EXPORT_RATE, thrown.attack.end + 1 / EXPORT_RATE)
+        last = thrown.attack.end + 1 / EXPORT_RATE
+        piece = self.timeline.between(since - 1 / EXPORT_RATE, last, feet=True)
         call = partial(played_clearance, self._graph, piece, thrown.attack, since)
         return self._searches.submit(now, call, search=False)

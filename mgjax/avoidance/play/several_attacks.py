@@ -19,12 +19,13 @@ from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.energy.evaluate import judge
-from mgjax.avoidance.play.timeline import Piece
+from mgjax.avoidance.play.timeline import Piece, Timeline
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.core.errors import AttackError
+from mgjax.graph.feet.course import FeetState
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, make_walk, sample_walk
+from mgjax.graph.walk import Walk, make_walk
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,6 +55,7 @@ def find_path(
     others: Sequence[Attack],
     config: AvoidanceConfig,
     rest: Piece,
+    feet: FeetState | None = None,
 ) -> JointPath:
     """The path of :func:`mgjax.avoidance.choice.choosing.choose`, or one that is clear of all
     attacks.
@@ -69,9 +71,10 @@ def find_path(
         config: settings.
         rest: what is still played until the path begins, in the same frame, and since when (a time
             before 0).
+        feet: what the feet are off where the path begins, in the same frame.
     """
     begin = time.perf_counter()
-    path = _find_path(prepared, node, attack, others, config, rest)
+    path = _find_path(prepared, node, attack, others, config, rest, feet)
     return replace(path, seconds=time.perf_counter() - begin)
 
 
@@ -82,11 +85,21 @@ def _find_path(
     others: Sequence[Attack],
     config: AvoidanceConfig,
     rest: Piece,
+    feet: FeetState | None,
 ) -> JointPath:
+    def as_written(choice: Choice) -> float:
+        line = Timeline(prepared.graph, node, feet=feet)
+        for edge, scale in zip(
+            choice.walk.edges.tolist(), choice.walk.scales.tolist(), strict=True
+        ):
+            line.append(edge, scale)
+        piece = line.between(0.0, attack.end + 1 / EXPORT_RATE, feet=True)
+        return played_clearance(prepared.graph, piece, attack, 0.0)
+
     begun = in_frame(attack, rest.start, rest.begins)
     touched = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
     try:
-        chosen = choose(prepared, node, attack, config=config)
+        chosen = choose(prepared, node, attack, config=config, as_written=as_written)
     except AttackError:  # it is in the body where the path would begin
         return JointPath(status=Status.HIT, walk=None, joint=False)
     status = Status.HIT if touched else chosen.status
@@ -146,7 +159,7 @@ def played_clearance(graph: MotionGraph, piece: Piece, attack: Attack, since: fl
     """
     first, last = int(np.floor(since * EXPORT_RATE)), int(np.ceil(attack.end * EXPORT_RATE))
     times = np.arange(first, max(last, first + 1) + 1) / EXPORT_RATE
-    motion = sample_walk(graph, piece.walk, times - piece.begins, start=piece.start)
+    motion = piece.sample(graph, times)
     spheres = preset_spheres(graph.skeleton)
     trace = sphere_trajectory(graph, spheres, replace(motion, frame_rate=EXPORT_RATE))
     return clearance(shifted(attack, first / EXPORT_RATE), trace, spheres.radii)[1]

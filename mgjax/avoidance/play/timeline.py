@@ -4,15 +4,31 @@ from __future__ import annotations
 
 import bisect
 import math
+from collections import OrderedDict
 from dataclasses import dataclass
 
+import jax
 import numpy as np
 from jaxtyping import Float
 
+from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.core import planar
 from mgjax.core.motion import Motion
+from mgjax.graph.feet.course import FeetState, at_rest
+from mgjax.graph.feet.played import at_times, legs_of, play, with_feet
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk, sample_walk
+
+_KEPT_EDGES = 64
+"""Edges of which it is remembered what the feet are off; of others, where they begin."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PlayedFeet:
+    """What the feet are off at some moments, s on the planner's clock and in the world. [K]"""
+
+    times: Float[np.ndarray, " K"]
+    states: FeetState
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -23,11 +39,20 @@ class Piece:
         walk: its edges.
         begins: when the first of them begins, s.
         start: planar frame of the body there, in the world. [3]
+        feet: what the feet are off while it is played; None: the poses are as captured.
     """
 
     walk: Walk
     begins: float
     start: Float[np.ndarray, "3"]
+    feet: PlayedFeet | None = None
+
+    def sample(self, graph: MotionGraph, times: Float[np.ndarray, " T"]) -> Motion:
+        """Poses in the world at ascending times, s on the planner's clock."""
+        motion = sample_walk(graph, self.walk, times - self.begins, start=self.start)
+        if self.feet is None:
+            return motion
+        return with_feet(graph, motion, at_times(self.feet.states, self.feet.times, times))
 
 
 class Timeline:
@@ -37,11 +62,15 @@ class Timeline:
     in :func:`mgjax.graph.walk.sample_walk`). So the next edge has to be known at ``deadline``, one
     frame before the end; from then on what is shown is what will be written.
 
+    Feet that stand are kept in place (:mod:`mgjax.graph.feet`). What they are off is followed edge
+    by edge, once the edge after it is known, and only as far as poses are asked for.
+
     Args:
         graph: a motion graph.
         node: where the body stands at the beginning.
         start: its planar frame in the world; default: at the origin, heading +Z.
         begin: the beginning, s.
+        feet: what the feet are off then, in the world; default: nothing.
     """
 
     def __init__(
@@ -50,6 +79,7 @@ class Timeline:
         node: int,
         start: Float[np.ndarray, "3"] | None = None,
         begin: float = 0.0,
+        feet: FeetState | None = None,
     ) -> None:
         self.graph = graph
         self.node = node
@@ -59,6 +89,8 @@ class Timeline:
         self.starts = [begin]
         inverse = np.asarray(planar.inverse(graph.node_plane[node].astype(np.float64)))
         self._places = [tuple(float(v) for v in planar.compose(self.start, inverse))]
+        self._feet = [feet or at_rest()]
+        self._followed: OrderedDict[tuple[int, bool], PlayedFeet] = OrderedDict()
 
     @property
     def end(self) -> float:
@@ -89,26 +121,78 @@ class Timeline:
         plane = self.graph.node_plane[self.node].astype(np.float64)
         return np.asarray(planar.compose(np.array(self._places[-1]), plane))
 
-    def between(self, first: float, last: float) -> Piece:
-        """The edges that are played from ``first`` to ``last`` s, and the next one if decided."""
+    def feet_at_end(self) -> FeetState:
+        """What the feet are off, in the world, where the last edge arrives."""
+        if not self.edges or legs_of(self.graph) is None:
+            return self._feet[0]
+        states = self._follow(len(self.edges) - 1).states
+        return jax.tree.map(lambda x: x[-1], states)
+
+    def between(self, first: float, last: float, *, feet: bool = False) -> Piece:
+        """The edges that are played from ``first`` to ``last`` s, and the next one if decided.
+
+        With ``feet``, what the feet are off then belongs to it.
+        """
         a = self._index(first)
         b = min(self._index(last) + 2, len(self.edges))
         edges = np.array(self.edges[a:b])
-        plane = self.graph.node_plane[self.graph.edge_source[edges[0]]].astype(np.float64)
         return Piece(
             walk=Walk(edges=edges, scales=np.array(self.scales[a:b])),
             begins=self.starts[a],
-            start=np.asarray(planar.compose(np.array(self._places[a]), plane)),
+            start=self._start_of(a),
+            feet=self._played_feet(a, self._index(last)) if feet else None,
         )
 
     def sample(self, times: Float[np.ndarray, " T"]) -> Motion:
         """Poses in the world at ascending times."""
-        piece = self.between(float(times[0]), float(times[-1]))
-        return sample_walk(self.graph, piece.walk, times - piece.begins, start=piece.start)
+        return self.between(float(times[0]), float(times[-1]), feet=True).sample(self.graph, times)
 
     def walk(self) -> Walk:
         """The history as a walk; with ``start`` as its start it gives the poses that are shown."""
         return make_walk(self.graph, self.edges, self.scales)
+
+    def _start_of(self, index: int) -> Float[np.ndarray, "3"]:
+        """Planar frame of the body, in the world, where an edge begins."""
+        plane = self.graph.node_plane[self.graph.edge_source[self.edges[index]]]
+        return np.asarray(planar.compose(np.array(self._places[index]), plane.astype(np.float64)))
+
+    def _played_feet(self, first: int, last: int) -> PlayedFeet | None:
+        """What the feet are off from the first of these edges to the end of the last."""
+        if legs_of(self.graph) is None:
+            return None
+        parts = [self._follow(index) for index in range(first, last + 1)]
+        return PlayedFeet(
+            times=np.concatenate([part.times for part in parts]),
+            states=jax.tree.map(lambda *x: np.concatenate(x), *[part.states for part in parts]),
+        )
+
+    def _follow(self, index: int) -> PlayedFeet:
+        """What the feet are off while an edge is played."""
+        known = index + 1 < len(self.edges)
+        key = (index, known)
+        if key in self._followed:
+            self._followed.move_to_end(key)
+            return self._followed[key]
+        while len(self._feet) <= index:
+            self._follow(len(self._feet) - 1)
+        begin, end = self.starts[index], self.starts[index + 1]
+        steps = max(math.ceil((end - begin) * EXPORT_RATE), 1)
+        times = np.linspace(0.0, end - begin, steps + 1)
+        chosen = slice(index, index + 2)
+        states = play(
+            self.graph,
+            Walk(edges=np.array(self.edges[chosen]), scales=np.array(self.scales[chosen])),
+            times,
+            rate=steps / (end - begin),
+            start=self._start_of(index),
+            begin=self._feet[index],
+        )[1]
+        if known and len(self._feet) == index + 1:
+            self._feet.append(jax.tree.map(lambda x: x[-1], states))
+        self._followed[key] = PlayedFeet(times=begin + times, states=states)
+        while len(self._followed) > _KEPT_EDGES:
+            self._followed.popitem(last=False)
+        return self._followed[key]
 
     def _index(self, when: float) -> int:
         return min(max(bisect.bisect_right(self.starts, when) - 1, 0), len(self.edges) - 1)

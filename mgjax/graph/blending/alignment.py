@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float, Int
 
 from mgjax.core import planar
 from mgjax.core.arrays import Array
-from mgjax.graph.feet import FootChains
+from mgjax.graph.feet.legs import FootChains
 
 SUPPORT = 16.0
 """What a foot that stands in both windows counts for the place, by the whole body."""

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float
 from mgjax.core import planar, quaternion
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
-from mgjax.graph.feet import FootChains
+from mgjax.graph.feet.legs import FootChains
 
 LED = 0.5
 """Share of a transition for which feet must stand in both windows to lead the root wholly."""

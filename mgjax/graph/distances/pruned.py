@@ -152,7 +152,8 @@ def search_pruned(
             where, block, r, c = (x[inner] for x in (where, block, r, c))
             row = first * TILE + part[0, block] * BLOCK + r
             column = second * TILE + part[1, block] * BLOCK + c
-            found.append(np.stack([row, column, judged[where], squared[where]]))
+            each = (row, column, judged[where], squared[where])
+            found.append(np.stack([values.astype(float) for values in each]))
         return np.concatenate(found, axis=1)
 
     def search(pair: tuple[int, int]) -> np.ndarray:

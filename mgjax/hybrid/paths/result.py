@@ -13,9 +13,10 @@ from mgjax.core import planar
 from mgjax.core.kinematics import global_positions, planar_frames
 from mgjax.core.motion import Motion
 from mgjax.core.shown import Shown, made_of
+from mgjax.graph.feet.played import play_walk
 from mgjax.graph.plants import foot_slide, walk_plants
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, make_walk, sample_walk
+from mgjax.graph.walk import Walk, make_walk
 from mgjax.hybrid.config import PathConfig
 from mgjax.hybrid.macro.macro_edges import MIN_PROGRESS_M_S
 from mgjax.hybrid.macro.pieces import EdgePieces
@@ -167,7 +168,7 @@ def measure_walk(
         frames, failed_s = _until_lost(track, curve, frames)
     kept = int(np.searchsorted(np.cumsum(graph.edge_frames[edges]), frames)) + 1
     walk = make_walk(graph, edges[:kept])
-    motion = sample_walk(graph, walk, np.arange(frames + 1) / graph.frame_rate, start=start)
+    motion = play_walk(graph, walk, np.arange(frames + 1) / graph.frame_rate, start=start)
     track = track_of(graph, motion, track.blend[:frames])
     plants = walk_plants(graph, prepared.plants, edges[:kept], frames + 1)
     slide, share = foot_slide(graph.skeleton, motion, plants)

@@ -10,9 +10,10 @@ from jaxtyping import Bool, Float
 from mgjax.core import planar
 from mgjax.core.kinematics import global_positions, planar_frames
 from mgjax.core.motion import Motion
+from mgjax.graph.feet.played import play_walk
 from mgjax.graph.plants import walk_plants
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import make_walk, place_edges, sample_walk
+from mgjax.graph.walk import make_walk, place_edges
 from mgjax.hybrid.prepared import Prepared, ReachBody
 
 
@@ -89,7 +90,7 @@ def make_sampled_walk(
     kept = edges[: int(np.searchsorted(ends, frames)) + 1]
     frames = int(min(frames, ends[len(kept) - 1]))
     walk = make_walk(graph, kept)
-    motion = sample_walk(graph, walk, np.arange(frames + 1) / graph.frame_rate, start=start)
+    motion = play_walk(graph, walk, np.arange(frames + 1) / graph.frame_rate, start=start)
     positions = np.asarray(global_positions(graph.skeleton, motion), np.float64)
     return SampledWalk(
         graph=graph,

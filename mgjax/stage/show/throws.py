@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.choice.selection import Selection
@@ -29,11 +30,13 @@ class Thrown:
         now: second of the motion at which the character has to react.
         attack: in the planar frame of its pose then.
         selection: what it does.
+        place: that planar frame, in the world; None: of the pose that the motion has then. [3]
     """
 
     now: float
     attack: Attack
     selection: Selection
+    place: Float[np.ndarray, "3"] | None = None
 
 
 def throws_show(
@@ -67,9 +70,11 @@ def throws_show(
 
 def world_balls(graph: MotionGraph, motion: Motion, throw: Thrown, name: str) -> list[Ball]:
     """The balls of an attack in the world of the motion, on its clock."""
-    pose = sample(motion, np.array([throw.now * motion.frame_rate]))
-    places, _ = forward(graph.skeleton, pose.root_translation, pose.local_rotations)
-    frame = np.asarray(planar_frames(graph.skeleton, np.asarray(places)), np.float64)[0]
+    frame = throw.place
+    if frame is None:
+        pose = sample(motion, np.array([throw.now * motion.frame_rate]))
+        places, _ = forward(graph.skeleton, pose.root_translation, pose.local_rotations)
+        frame = np.asarray(planar_frames(graph.skeleton, np.asarray(places)), np.float64)[0]
     return [
         replace(ball, places=np.asarray(planar.apply(frame, ball.places)))
         for ball in attack_balls(throw.attack, name=name, now=throw.now)

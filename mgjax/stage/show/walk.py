@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from mgjax.core.motion import Motion
+from mgjax.graph.feet.played import play_walk
 from mgjax.graph.types import NO_CLIP, MotionGraph
-from mgjax.graph.walk import Walk, sample_walk
+from mgjax.graph.walk import Walk
 from mgjax.stage.show.body import body_of
 from mgjax.stage.show.frames import frames_of
 from mgjax.stage.show.types import Actor, Colour, Line, Show, Span
@@ -18,7 +19,7 @@ def walk_show(graph: MotionGraph, walk: Walk, *, title: str = "A walk") -> Show:
     """The motion of a walk, from the origin."""
     starts = walk.starts(graph)
     count = max(int(np.floor(starts[-1] * graph.frame_rate + 1e-6)) + 1, 2)
-    motion = sample_walk(graph, walk, np.arange(count) / graph.frame_rate)
+    motion = play_walk(graph, walk, np.arange(count) / graph.frame_rate)
     blends = int((graph.edge_clip[walk.edges] == NO_CLIP).sum())
     return Show(
         title=title,

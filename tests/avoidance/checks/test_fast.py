@@ -6,12 +6,13 @@ import pytest
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.checks.fast import clearance_between
-from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_motion
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.rates import FAR
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk
+from tests.avoidance.made import captured_motion
 
 FRAME = 1 / 120
 
@@ -35,9 +36,9 @@ def hovering(place: tuple[float, float, float], seconds: float) -> Attack:
 
 
 def by_check(graph: MotionGraph, attack: Attack, walk: Walk, start: float, stop: float) -> float:
-    """The clearance of the written motion, without the jitted code."""
+    """The clearance of the motion as captured, without the jitted code."""
     spheres = preset_spheres(graph.skeleton)
-    motion = walk_motion(graph, walk, float(walk.starts(graph)[-1]) + 0.1)
+    motion = captured_motion(graph, walk, float(walk.starts(graph)[-1]) + 0.1)
     trace = sphere_trajectory(graph, spheres, motion, start=start + 1e-9, stop=stop - 1e-9)
     return clearance(attack, trace, spheres.radii)[1]
 

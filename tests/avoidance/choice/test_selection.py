@@ -13,7 +13,7 @@ from mgjax.avoidance.attacks.crop import crop_attack
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.body.spheres import preset_spheres, sphere_centres
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
-from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_motion
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory, write_walk
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import continue_clear
 from mgjax.avoidance.choice.results import Status
@@ -32,7 +32,7 @@ from mgjax.core.kinematics import forward
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import make_walk
 from mgjax.io.bvh.write import save_bvh
-from tests.avoidance.made import make_graph, throw
+from tests.avoidance.made import captured_motion, make_graph, throw
 from tests.reference import avoidance as reference
 
 QUICK = AvoidanceConfig(checks=12, T_wide=0.0, capacity=4096)
@@ -188,12 +188,17 @@ def test_the_least_energy_that_passes_wins(any_graph: MotionGraph, answers: list
             )
             end = float(walk.starts(any_graph)[-1])
             trace = sphere_trajectory(
-                any_graph, spheres, walk_motion(any_graph, walk, end), stop=end
+                any_graph, spheres, captured_motion(any_graph, walk, end), stop=end
             )
             # It is hit on its path, or wherever it may lead after it.
             if clearance(attack, trace, spheres.radii)[1] >= CLEAR_M:
                 played = continue_clear(prepared_for(any_graph, QUICK).posed, attack, walk, QUICK)
-                assert played.clear_until is not None or played.clearance < CLEAR_M
+                if played.clear_until is None and played.clearance >= CLEAR_M:
+                    # Its feet, or the rest that follows them, are touched as it is written.
+                    seconds = attack.end + QUICK.settle_s
+                    written = write_walk(any_graph, spheres, played.walk, seconds, None, attack)
+                    assert written.clearance is not None
+                    assert written.clearance < CLEAR_M
         looked_at += 1
         assert chosen.candidates == len(candidates.length) + candidates.overflow
         counts = [int((values["status"] == s).sum()) for s in (NOT_ADJUSTABLE, OUT_OF_RANGE)]
@@ -344,8 +349,9 @@ def test_a_wider_window_where_nothing_is_clear(any_graph: MotionGraph, answers: 
     """What avoids stays; elsewhere the choice is that of the wider window, or touched less."""
     wide = replace(QUICK, T_wide=2.0)
     only = replace(QUICK, T_window=2.0)
-    asked = [a for a in answers if a[2].status != "avoided"][:3]
-    asked += [a for a in answers if a[2].status == "avoided"][:1]
+    plain = [(n, a, choose(any_graph, n, a, config=QUICK)) for n, a, _ in answers]
+    asked = [a for a in plain if a[2].status != "avoided"][:3]
+    asked += [a for a in plain if a[2].status == "avoided"][:1]
     batch = select_batch(any_graph, [a[0] for a in asked], [a[1] for a in asked], config=wide)
     for i, (node, attack, before) in enumerate(asked):
         got = choose(any_graph, node, attack, config=wide)
@@ -408,7 +414,9 @@ def test_goes_on_where_it_is_clear() -> None:
     spheres = preset_spheres(graph.skeleton)
     posed = prepared_for(graph, QUICK).posed
     walks = [make_walk(graph, [0, edge]) for edge in (1, 2)]
-    traces = [sphere_trajectory(graph, spheres, walk_motion(graph, walk, 2.3)) for walk in walks]
+    traces = [
+        sphere_trajectory(graph, spheres, captured_motion(graph, walk, 2.3)) for walk in walks
+    ]
     late = 2 * 240
     for own, other in ((0, 1), (1, 0)):
         apart = traces[own].centres[late][:, None] - traces[other].centres[late][None]

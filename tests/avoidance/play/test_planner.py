@@ -12,9 +12,10 @@ from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.candidates.enumerate import enumerate_candidates
 from mgjax.avoidance.checks.fast import clearance_between
-from mgjax.avoidance.checks.written import clearance, sphere_trajectory, walk_motion
+from mgjax.avoidance.checks.written import clearance, sphere_trajectory
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.play.answers import Found
 from mgjax.avoidance.play.clocks import (
     SimulatedClock,
     SimulatedSearches,
@@ -27,9 +28,9 @@ from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.core import planar
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.core.kinematics import forward, global_positions, planar_frames
+from mgjax.graph.feet.played import play_at
 from mgjax.graph.types import NO_EDGE, MotionGraph
-from mgjax.graph.walk import sample_walk
-from tests.avoidance.made import throw, with_knots
+from tests.avoidance.made import captured_motion, throw, with_knots
 
 QUICK = AvoidanceConfig(checks=12)
 
@@ -124,11 +125,14 @@ def test_what_is_shown_is_what_is_written(made_graph: MotionGraph) -> None:
     walk = planner.timeline.walk()
     assert made_graph.edge_source[walk.edges[0]] == 5
     assert min(walk.scales) != 1 or max(walk.scales) != 1  # something was scaled in time
-    written = sample_walk(made_graph, walk, times, start=start)
+    written = planner.timeline.sample(times)
     roots = np.concatenate([pose.root_translation for pose in shown])
     turns = np.concatenate([pose.local_rotations for pose in shown])
     np.testing.assert_allclose(roots, written.root_translation, atol=1e-5)
     np.testing.assert_allclose(np.abs(np.sum(turns * written.local_rotations, -1)), 1, atol=1e-5)
+    # As a walk that is written from the beginning on, but for the moments of its frames.
+    whole = play_at(made_graph, walk, times, rate=EXPORT_RATE, start=start)
+    np.testing.assert_allclose(roots, whole.root_translation, atol=5e-3)
     # The past stays as it was.
     np.testing.assert_array_equal(planner.frame(times[70]).root_translation, roots[70:71])
     line = planner.timeline
@@ -165,7 +169,8 @@ def test_found_at_once_is_spliced_in_at_the_end_of_the_edge(made_graph: MotionGr
     spliced = 0
     for seed in range(12):
         clock = SimulatedClock()
-        planner = Planner(made_graph, clock=clock, config=QUICK, seed=seed)
+        told: list[Found] = []
+        planner = Planner(made_graph, clock=clock, config=QUICK, seed=seed, on_found=told.append)
         clock.advance(0.8)
         attack = world_throw(planner, rng, clock.now())
         line = planner.timeline
@@ -178,7 +183,10 @@ def test_found_at_once_is_spliced_in_at_the_end_of_the_edge(made_graph: MotionGr
             assert answer.search == "late"
             continue
         assert (answer.restarts, answer.waited) == (0, 0.0)
-        chosen = choose(made_graph, node, asked, config=QUICK)
+        chosen = told[-1].path.choice
+        assert chosen is not None
+        assert chosen.node == node
+        assert chosen.candidates == choose(made_graph, node, asked, config=QUICK).candidates
         if chosen.status == "no_candidate":
             continue
         length = len(chosen.walk.edges)
@@ -271,7 +279,7 @@ def check_independently(planner: Planner, attacks: list[Attack]) -> int:
     graph = line.graph
     spheres = preset_spheres(graph.skeleton)
     count = int(np.ceil(line.end * EXPORT_RATE))
-    motion = sample_walk(graph, line.walk(), np.arange(count) / EXPORT_RATE, start=line.start)
+    motion = replace(line.sample(np.arange(count) / EXPORT_RATE), frame_rate=EXPORT_RATE)
     trace = sphere_trajectory(graph, spheres, motion)
     hits = 0
     for answer in planner.answers:
@@ -307,16 +315,17 @@ def test_a_path_that_is_clear_of_both(made_graph: MotionGraph) -> None:
     for _ in range(40):
         node = int(rng.integers(made_graph.num_nodes))
         newest = throw(rng, arrives=1.3)
-        alone = choose(made_graph, node, newest, config=QUICK)
+        rest = rest_before(made_graph, node)
+        alone = find_path(prepared, node, newest, [], QUICK, rest).choice
+        assert alone is not None
         if alone.status != "avoided":
             continue
         # Another attack stands where the walk that is best for the newest has a sphere.
-        trace = sphere_trajectory(made_graph, spheres, walk_motion(made_graph, alone.walk, 1.5))
+        trace = sphere_trajectory(made_graph, spheres, captured_motion(made_graph, alone.walk, 1.5))
         place = trace.centres[int(1.2 * 240), int(rng.integers(len(spheres.radii)))]
         other = Attack(
             times=np.array([1.19, 1.21]), centres=np.tile(place, (2, 1, 1)), radii=np.array([0.02])
         )
-        rest = rest_before(made_graph, node)
         found = find_path(prepared, node, newest, [other], QUICK, rest)
         assert found.walk is not None
         gaps = [clearance_between(prepared.posed, a, found.walk, 0.0, 5.0) for a in (newest, other)]
@@ -463,7 +472,7 @@ def test_the_check_of_a_stretch_is_that_of_the_whole(made_graph: MotionGraph) ->
     line = planner.timeline
     rng = np.random.default_rng(7)
     attack = after(world_throw(planner, rng, 5.0, arrives=0.4), 5.2)
-    whole, part = (line.between(a, b) for a, b in ((0.0, 9.0), (5.0, attack.end + 0.1)))
+    whole, part = (line.between(a, b, feet=True) for a, b in ((0.0, 9.0), (5.0, attack.end + 0.1)))
     a, b = (played_clearance(made_graph, piece, attack, 5.2) for piece in (whole, part))
     assert a == pytest.approx(b, abs=1e-5)
 

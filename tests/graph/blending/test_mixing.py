@@ -14,7 +14,7 @@ from mgjax.core.errors import ConfigError
 from mgjax.graph.blending.forms import blend_form, blend_weights, inertia, smooth_weights
 from mgjax.graph.blending.mixing import Window, blend, lead_by_support, mix
 from mgjax.graph.config import BLENDS, GraphConfig, validate_graph_config
-from mgjax.graph.feet import foot_chains
+from mgjax.graph.feet.legs import foot_chains
 from tests.conftest import make_motion
 from tests.graph.made import BODY, march, places
 from tests.reference import blend as reference

@@ -14,7 +14,7 @@ from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
 from mgjax.graph.blending.forms import blend_form
 from mgjax.graph.blending.mixing import Window, mix
-from mgjax.graph.feet import foot_chains
+from mgjax.graph.feet.legs import foot_chains
 from mgjax.graph.plants import foot_slide, inherited_frames
 from mgjax.graph.types import NO_CLIP, MotionGraph
 

@@ -9,8 +9,9 @@ from jaxtyping import Float
 
 from mgjax.avoidance.choice.explain import Explained, explain
 from mgjax.avoidance.play.answers import Asked
+from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.core.motion import Motion
-from mgjax.graph.walk import sample_walk
+from mgjax.graph.feet.played import play_at
 from mgjax.stage.apps.throw.contact import track
 from mgjax.stage.apps.throw.lane import COLOURS, Lane, Throw
 from mgjax.stage.apps.throw.words import energy_of_words, kind_of, outcome
@@ -107,8 +108,13 @@ def reason(row: Explained) -> str:
 def walk_frames(lane: Lane, asked: Asked, row: Explained, times: Float[np.ndarray, " T"]) -> Motion:
     """A candidate as it would have been played; before its beginning what was played."""
     begun = times >= asked.begins
-    after = sample_walk(
-        lane.prepared.graph, row.walk, times[begun] - asked.begins, start=asked.place
+    after = play_at(
+        lane.prepared.graph,
+        row.walk,
+        times[begun] - asked.begins,
+        rate=EXPORT_RATE,
+        start=asked.place,
+        begin=asked.feet,
     )
     if begun.all():
         return after

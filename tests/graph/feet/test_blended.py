@@ -14,7 +14,8 @@ from mgjax.core import quaternion
 from mgjax.core.errors import SkeletonError
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
-from mgjax.graph.feet import close_gaps, foot_chains, held_places, keep_plants, slide_per_frame
+from mgjax.graph.feet.blended import close_gaps, held_places, keep_plants, slide_per_frame
+from mgjax.graph.feet.legs import foot_chains
 from tests.conftest import make_motion
 from tests.graph.made import BODY, bend, march
 

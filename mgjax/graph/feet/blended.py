@@ -1,4 +1,4 @@
-"""Foot clean-up: a planted foot stays where it is while two motions are blended.
+"""A planted foot stays where it is while two motions are blended.
 
 The plants of the clips are inherited, the first clip's in the first half of a blend and the
 second's in the second half. While a foot is planted its ball is held over one place on the floor;
@@ -9,49 +9,20 @@ place in the other, and does so in one smooth move.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import jax
 import jax.numpy as jnp
 from jaxtyping import Bool, Float
 
 from mgjax.core import quaternion, two_bone
 from mgjax.core.arrays import Array
-from mgjax.core.body.roles import require_roles
-from mgjax.core.contacts import floor_steps, foot_joints, stays_planted
+from mgjax.core.contacts import floor_steps, stays_planted
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
 from mgjax.core.timing.easing import smoothstep
+from mgjax.graph.feet.legs import FootChains
 
 SHORT_GAP = 1 / 6
 """Share of the frames of a transition in which a foot cannot get from one plant to the next."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FootChains:
-    """Hip, knee, ankle and the ball of the foot, of the left and the right leg."""
-
-    hips: tuple[int, int]
-    knees: tuple[int, int]
-    ankles: tuple[int, int]
-    balls: tuple[int, int]
-
-
-def foot_chains(skeleton: Skeleton) -> FootChains:
-    """The legs of a skeleton.
-
-    Raises:
-        SkeletonError: a joint of the legs is missing; it is named.
-    """
-    joints = require_roles(
-        skeleton, [f"{s}_{j}" for j in ("hip", "knee", "ankle") for s in ("left", "right")]
-    )
-    return FootChains(
-        hips=(joints[0], joints[1]),
-        knees=(joints[2], joints[3]),
-        ankles=(joints[4], joints[5]),
-        balls=foot_joints(skeleton),
-    )
 
 
 def slide_per_frame(ball: Float[Array, "W 3"], planted: Bool[Array, " W"]) -> Float[Array, ""]:
