@@ -23,6 +23,8 @@ class Axis:
         weights: with the sum 1. [J]
         window: frames in a window.
         margin: entries in a gap.
+        grain: squared distances that differ by less are alike, m²; as the bodies are, larger for
+            larger ones.
         frames: frame of each entry; −1 in a gap. [R]
         centre: about the middle of all joints, from which their places are taken. [3]
         valid: which entries are windows. [R]
@@ -34,6 +36,7 @@ class Axis:
     window: int
     margin: int
     centre: Float[np.ndarray, "3"]
+    grain: float
     frames: Int[np.ndarray, " R"]
     valid: Bool[np.ndarray, " R"]
     leave: Bool[np.ndarray, " R"]
@@ -91,8 +94,15 @@ def make_axis(
         window=window,
         margin=margin,
         centre=centre_of(positions, float(positions[..., 1].mean())),
+        grain=_grain(positions),
         frames=frames,
         valid=fits,
         leave=rows,
         arrive=columns,
     )
+
+
+def _grain(positions: Float[np.ndarray, "F J 3"]) -> float:
+    """A power of two, about 1e-12 m² for an adult; four times that for a body twice as tall."""
+    tall = float(np.ptp(positions[..., 1])) if positions.size else 0.0
+    return 2.0 ** (2 * np.floor(np.log2(tall)) - 40) if tall > 0 else 2.0**-40

@@ -11,14 +11,14 @@ from mgjax.core.arrays import Array
 from mgjax.graph.distances.axis import Axis
 
 _CHUNK = 1024
-_GRAIN = 1e-12
-"""m². Values are multiples of this, so that equal windows are exactly as far from all others."""
 
 
 def exact_squared(
     axis: Axis, rows: Int[np.ndarray, " N"], columns: Int[np.ndarray, " N"]
 ) -> Float[np.ndarray, " N"]:
     """D² of pairs of windows, hybrid paper eq. 1, in float64, m²; the same both ways round.
+
+    Values are multiples of the axis's grain, so that equal windows are as far from all others.
 
     Args:
         axis: of all clips.
@@ -35,7 +35,7 @@ def exact_squared(
             windows = axis.positions[padded[..., None] + np.arange(axis.window)]
             out[first : first + count] = np.asarray(_squared(windows, weights))[:count]
     out[rows == columns] = 0.0
-    return np.maximum(np.round(out / _GRAIN) * _GRAIN, 0.0)
+    return np.maximum(np.round(out / axis.grain) * axis.grain, 0.0)
 
 
 @jax.jit
