@@ -66,6 +66,7 @@ def quality_picture(
     if known is not None:
         outside = found.outside.max(axis=(-2, -1))
         _line(rows[4], outside, 0.0, _RIGHT, "beyond captured angles, °")
+    rows[4].set_ylim(-0.1, max(1.0, rows[4].get_ylim()[1]))
     rows[4].legend(fontsize=7, loc="upper right")
     rows[4].set_xlabel("s")
     for axes in rows:

@@ -73,7 +73,11 @@ def beyond(rotations: Float[Array, "*b J 4"], ranges: CapturedRanges) -> Float[A
     span = _like(ranges.limits.twist, swing)
     over = xp.maximum(box[..., 0::2] - swing, 0.0) + xp.maximum(swing - box[..., 1::2], 0.0)
     swung = xp.sqrt(xp.maximum(xp.sum(over * over, axis=-1), 1e-16))
-    turned = xp.maximum(span[..., 0] - twist, 0.0) + xp.maximum(twist - span[..., 1], 0.0)
+    # Half a turn to either side is the same twist.
+    middle, half = (span[..., 0] + span[..., 1]) / 2, (span[..., 1] - span[..., 0]) / 2
+    off = twist - middle
+    off = off - 2 * math.pi * xp.round(off / (2 * math.pi))
+    turned = xp.maximum(xp.abs(off) - half, 0.0)
     return xp.stack([xp.where(swung > 1e-8, swung, 0.0), turned], axis=-1) * (180 / math.pi)
 
 

@@ -20,7 +20,7 @@ BUILD_KEYS = {
     *("foot_slide_before", "foot_slide_after"),
 }
 AVOID_KEYS = {
-    *("status", "candidates", "dropped", "walk", "time_scale", "energy", "clearance_m"),
+    *("status", "candidates", "dropped", "walk", "seams", "time_scale", "energy", "clearance_m"),
 }
 COMMANDS = [
     "info",

@@ -47,6 +47,9 @@ def test_walk(folder: Path, tmp_path: Path) -> None:
     root = np.asarray(motion.root_translation)
     assert np.linalg.norm(root[-1, ::2] - [0.5, 3]) < 0.4
     assert ran.json["walk"][-1]["end_s"] == ran.json["seconds"]
+    blended = [row for row in ran.json["walk"] if " > " in row["clip"]]
+    keys = ("start_s", "end_s")
+    assert ran.json["seams"] == [{key: row[key] for key in keys} for row in blended]
 
 
 def test_lost(folder: Path, tmp_path: Path) -> None:

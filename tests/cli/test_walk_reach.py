@@ -46,6 +46,14 @@ def test_walk_with_reaches(folder: Path, tmp_path: Path) -> None:
     _, motion = load_motion(tmp_path / "out" / "motion.bvh")
     seconds = (motion.num_frames - 1) / motion.frame_rate
     assert seconds == pytest.approx(ran.json["motion_s"], abs=1e-3)
+    # Without a stop the motion shows the walk's seams at the walk's own times.
+    seams = ran.json["seams"]
+    assert seams
+    blended = [row for row in ran.json["walk"] if " > " in row["clip"]]
+    assert [s["start_s"] for s in seams] == pytest.approx(
+        [row["start_s"] for row in blended if row["start_s"] < seconds], abs=0.5 / 30
+    )
+    assert all(s["start_s"] < s["end_s"] <= seconds for s in seams)
     assert {f.name for f in (tmp_path / "out").iterdir()} == {
         "motion.bvh",
         "result.json",

@@ -29,7 +29,9 @@ def test_seams_are_as_they_are_played(graph: MotionGraph) -> None:
         after = graph.edges_from(int(graph.edge_target[edge]))
         after = next(e for e in after if graph.edge_clip[e] >= 0)
         count = graph.window + min(int(graph.edge_frames[after]), around)
-        walk = np.asarray(global_positions(graph.skeleton, unroll(graph, [edge, after])))[:count]
+        walk = np.asarray(global_positions(graph.skeleton, unroll(graph, np.array([edge, after]))))[
+            :count
+        ]
         got = np.asarray(global_positions(graph.skeleton, motion))[around : around + count]
         apart = [np.linalg.norm(np.diff(x, axis=0), axis=-1) for x in (walk, got)]
         np.testing.assert_allclose(*apart, atol=1e-4)

@@ -44,6 +44,17 @@ def test_a_hinge_by_hand() -> None:
     np.testing.assert_allclose(beyond(twisted, ranges)[0, 1], [0, 7], atol=1e-3)
 
 
+def test_twist_goes_round() -> None:
+    """Captured from 100° to 179°, asked at −175°, which is 185°."""
+    axis = (0.0, 1.0, 0.0)
+    ranges = captured_ranges(ARM, bent(np.linspace(100, 179, 80), axis))
+    got = beyond(bent(np.array([-175.0, 95.0, 120.0]), axis), ranges)
+    np.testing.assert_allclose(got[:, 1, 1], [6, 5, 0], atol=1e-2)
+    # From the mean that is 45° and more away; with the last one near half a turn from it, too.
+    far = beyond(bent(np.array([-45.0]), axis), ranges)
+    assert float(far[0, 1, 1]) == pytest.approx(136, abs=0.01)
+
+
 def test_against_the_definition(body: Skeleton) -> None:
     known, other = (moving(body, 1.0, seed) for seed in (1, 2))
     ranges = captured_ranges(body, np.asarray(known.local_rotations))
