@@ -123,6 +123,7 @@ def figure(rows: list[dict[str, Any]]) -> Figure:
     axes = drawn.subplots()
     for number, fastest in enumerate(dict.fromkeys(row["fastest"] for row in rows)):
         own = [row for row in rows if row["fastest"] == fastest]
+        own.sort(key=lambda row: row["arrives"])
         x = [row["arrives"] for row in own]
         limit = f", no edge faster than {fastest:g} ×" if fastest else ""
         low, high = ([100 * row["avoided_interval"][side] for row in own] for side in (0, 1))
