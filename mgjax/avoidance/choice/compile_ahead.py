@@ -28,7 +28,11 @@ from mgjax.avoidance.choice.search import bound, in_32_bits, search_one
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.core.motion import Motion
+from mgjax.graph.feet.course import FeetState
+from mgjax.graph.feet.played import FEW_FRAMES, FRAMES, legs_of, play, with_feet
 from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import Walk
 
 
 def warm_up(
@@ -92,7 +96,28 @@ def programs(
         for count in _sizes(CHECK_FRAMES, 4, frames)
         for slot in slots
     ]
-    return [*short, *checks, *long]
+    return [*short, *checks, *_feet_programs(prepared.graph, frames), *long]
+
+
+def _feet_programs(graph: MotionGraph, frames: int) -> list[Callable[[], object]]:
+    """A call for each size of motions, and of a few poses, whose feet are kept."""
+    if legs_of(graph) is None:
+        return []
+    whole = [partial(_keep_feet, graph, size) for size in _sizes(FRAMES, 2, frames)]
+    few = [partial(_put_feet, graph, size) for size in _sizes(FEW_FRAMES, FEW_FRAMES, frames)]
+    return [*whole, *few]
+
+
+def _keep_feet(graph: MotionGraph, count: int) -> tuple[Motion, FeetState]:
+    """A body that stands still for so many frames."""
+    walk = Walk(edges=np.zeros(1, np.int64), scales=np.ones(1))
+    return play(graph, walk, np.zeros(count), rate=EXPORT_RATE)
+
+
+def _put_feet(graph: MotionGraph, count: int) -> Motion:
+    """So many poses of it."""
+    motion, states = _keep_feet(graph, count)
+    return with_feet(graph, motion, states)
 
 
 def _search(

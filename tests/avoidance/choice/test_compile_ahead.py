@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance.attacks.merge import merge_attacks
-from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.compile_ahead import warm_up
+from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
 from mgjax.graph.types import MotionGraph
 from tests.avoidance.made import throw
@@ -29,13 +29,13 @@ def test_nothing_is_compiled_after_warming_up(made_graph: MotionGraph) -> None:
     attacks = [throw(rng, arrives=arrives) for arrives in (0.6, 1.0, 1.2, 1.4, 2.0)]
     attacks += [throw(rng, speed=1.5, arrives=2.0), throw(rng, gravity=True, arrives=1.1)]
     attacks.append(merge_attacks(attacks[:2]))
-    choose(made_graph, 0, attacks[0], config=config)  # small helpers of jax itself
+    select(made_graph, 0, attacks[0], config=config)  # small helpers of jax itself
     jax.monitoring.register_event_duration_secs_listener(heard)
     statuses = set()
     for attack in attacks:
         for node in rng.integers(made_graph.num_nodes, size=6):
             weights = EnergyConfig(w_a=rng.uniform(0.5, 2), E_time=rng.uniform(2, 5))
-            choice = choose(made_graph, int(node), attack, config=replace(config, energy=weights))
+            choice = select(made_graph, int(node), attack, config=replace(config, energy=weights))
             statuses.add(choice.status)
     assert not compiled
     assert statuses >= {"avoided"}
