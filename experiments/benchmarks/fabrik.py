@@ -23,7 +23,7 @@ from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core import kinematics, quaternion
 from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid import LIMBS, REACHED, fabrik, fabrik_tree, find_limb, joint_limits, reach_pose
-from mgjax.hybrid.ik.joint_limits import JointLimits, clamp, random_rotations
+from mgjax.core.body.joint_limits import JointLimits, clamp, random_rotations
 from mgjax.runs.experiment import Results, experiment
 
 PUBLISHED = {

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from mgjax.hybrid.ik.chain import UNREACHABLE_FAR as UNREACHABLE_FAR
     from mgjax.hybrid.ik.chain import UNREACHABLE_NEAR as UNREACHABLE_NEAR
     from mgjax.hybrid.ik.chain import fabrik as fabrik
-    from mgjax.hybrid.ik.joint_limits import JointLimits as JointLimits
-    from mgjax.hybrid.ik.joint_limits import joint_limits as joint_limits
+    from mgjax.core.body.joint_limits import JointLimits as JointLimits
+    from mgjax.core.body.joint_limits import joint_limits as joint_limits
     from mgjax.hybrid.ik.limbs import LIMBS as LIMBS
     from mgjax.hybrid.ik.limbs import Limb as Limb
     from mgjax.hybrid.ik.limbs import find_limb as find_limb
@@ -55,8 +55,8 @@ else:
             "fabrik_tree": "mgjax.hybrid.ik.tree",
             "find_limb": "mgjax.hybrid.ik.limbs",
             "follow": "mgjax.hybrid.paths.search",
-            "joint_limits": "mgjax.hybrid.ik.joint_limits",
-            "JointLimits": "mgjax.hybrid.ik.joint_limits",
+            "joint_limits": "mgjax.core.body.joint_limits",
+            "JointLimits": "mgjax.core.body.joint_limits",
             "Limb": "mgjax.hybrid.ik.limbs",
             "LIMBS": "mgjax.hybrid.ik.limbs",
             "load_sketch": "mgjax.hybrid.paths.sketch",

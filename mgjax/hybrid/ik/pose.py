@@ -13,7 +13,7 @@ from mgjax.core.arrays import Array
 from mgjax.core.errors import SkeletonError
 from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid.ik.chain import fabrik
-from mgjax.hybrid.ik.joint_limits import JointLimits
+from mgjax.core.body.joint_limits import JointLimits
 from mgjax.hybrid.ik.limbs import Limb, orientation_locked
 from mgjax.hybrid.ik.rotations import chain_rotations, with_local_rotations
 from mgjax.hybrid.ik.tree import fabrik_tree

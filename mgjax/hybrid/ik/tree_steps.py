@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float, Int
 
 from mgjax.core import quaternion
 from mgjax.core.arrays import Array
-from mgjax.hybrid.ik.joint_limits import JointLimits, clamp
+from mgjax.core.body.joint_limits import JointLimits, clamp
 
 _TWISTED = 1e-6
 """Least squared arm of children about their mean direction from which on they twist a joint, m²."""

@@ -9,7 +9,7 @@ from mgjax.core import kinematics, quaternion
 from mgjax.core.errors import SkeletonError
 from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid import LIMBS, NOT_CONVERGED, REACHED, UNREACHABLE_FAR, find_limb, reach_pose
-from mgjax.hybrid.ik.joint_limits import clamp, joint_limits, random_rotations
+from mgjax.core.body.joint_limits import clamp, joint_limits, random_rotations
 from mgjax.hybrid.ik.limbs import steady_joints
 from mgjax.hybrid.ik.pose import moved_joints
 from mgjax.hybrid.ik.rotations import chain_rotations

@@ -20,7 +20,7 @@ from mgjax.hybrid.body.capsules import (
 )
 from mgjax.hybrid.body.limb_limits import make_limb_limits
 from mgjax.hybrid.body.pelvis import lower_pelvis
-from mgjax.hybrid.ik.joint_limits import clamp, random_rotations
+from mgjax.core.body.joint_limits import clamp, random_rotations
 from mgjax.hybrid.ik.limbs import ARMS, find_limb
 from mgjax.hybrid.reaching.dubins import dubins
 from mgjax.hybrid.reaching.placements import radius_of

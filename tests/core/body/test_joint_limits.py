@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mgjax.core import quaternion
-from mgjax.hybrid.ik.joint_limits import (
+from mgjax.core.body.joint_limits import (
     clamp,
     from_swing_twist,
     joint_limits,
