@@ -36,14 +36,16 @@ from mgjax.graph.plants import planted_frames
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, frames_at, sample_walk
 
-MARGIN_M = 0.01
+MARGIN_M = 0.008
 """Clearance that is aimed at, of an adult."""
-ENOUGH_M = 0.005
+ENOUGH_M = 0.003
 """Clearance of the written motion with which a change is good enough."""
 LEAD_S = 0.5
 """How long before the first contact the change begins, and after the last one ends."""
 MOMENTS = 24
 """Written frames near the attack that a call is compiled for, and twice as many, …"""
+OTHERS = 16
+"""Moments of the whole window at which bounds are looked at."""
 MOST_MOMENTS = 96
 """Of longer contacts fewer frames a second are looked at while changing; all in the check."""
 UNIT_M = 0.05
@@ -203,16 +205,19 @@ def _lane(
     start = max(float(times[touched[0]]) - LEAD_S, 0.0)
     start = np.floor(start * EXPORT_RATE) / EXPORT_RATE
     stop = np.ceil((float(times[touched[-1]]) + LEAD_S) * EXPORT_RATE) / EXPORT_RATE
+    others = np.linspace(start, stop, OTHERS + 2)[1:-1]
+    rest = played.motion(others)
+    moments = np.concatenate([times[rows], others])
     return _Lane(
         played=played,
         times=times[rows],
         start=float(start),
         stop=float(stop),
         problem=Problem(
-            root=root[rows],
-            rotations=rotations[rows],
-            basis=basis(times[rows], start, stop).astype(np.float32),
-            free=_free(refiner, played, start, stop, times[rows]).astype(np.float32),
+            root=np.concatenate([root[rows], rest.root_translation]),
+            rotations=np.concatenate([rotations[rows], rest.local_rotations]),
+            basis=basis(moments, start, stop).astype(np.float32),
+            free=_free(refiner, played, start, stop, moments).astype(np.float32),
             attack=centres[rows].astype(np.float32),
             radii=attack.radii.astype(np.float32),
             absent=(~attack.lives(times[rows])).astype(np.float32),
@@ -259,10 +264,11 @@ def _padded(lanes: list[_Lane]) -> Problem:
 
 def _pad(problem: Problem, moments: int, spheres: int) -> Problem:
     def longer(values: np.ndarray) -> np.ndarray:
-        return pad_axis(np.asarray(values), moments)
+        near, others = values[:-OTHERS], values[-OTHERS:]
+        return np.concatenate([pad_axis(np.asarray(near), moments), others])
 
     absent = pad_axis(np.asarray(problem.absent), moments - 1, value=1)
-    attack = longer(problem.attack)
+    attack = pad_axis(np.asarray(problem.attack), moments)
     return replace(
         problem,
         root=longer(problem.root),

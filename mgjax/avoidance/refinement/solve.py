@@ -31,10 +31,12 @@ from mgjax.avoidance.refinement.slopes import Changed, base_of, changed_with_slo
 from mgjax.core.arrays import Array
 from mgjax.core.xla.pytree import register
 
-ITERATIONS = 10
+ITERATIONS = 14
 PENALTY = 2e4
 """ρ: a sphere 1 cm too near costs as much as a change of 1 unit of two channels."""
-CHUNK = 8
+MOST_PUSH = 400.0
+"""Largest multiplier: where caps and margin cannot both be kept, caps are."""
+CHUNK = 24
 """In so many intervals each sphere counts once, where it is nearest."""
 INSIDE = 0.9
 """Share of the caps at which soft bounds begin."""
@@ -43,8 +45,8 @@ LONGEST_STEP = 0.8
 MOVED_WEIGHT = 0.5
 """Weight of the mean square of how far joints are moved."""
 
-_SOFT_M = 0.004
-_SOFT_RAD = float(np.radians(0.8))
+_SOFT_M = 0.002
+_SOFT_RAD = float(np.radians(0.4))
 _SOFT_FOOT_M = 0.001
 """What is beyond a soft bound by so much costs as much as a change of 1 unit."""
 
@@ -52,12 +54,13 @@ _SOFT_FOOT_M = 0.001
 @register()
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """A motion, at some moments in ascending order, and an attack that it is to be clear of.
+    """A motion, and an attack that it is to be clear of.
 
     Attributes:
-        root, rotations: the poses, m and local. [T, 3], [T, J, 4]
-        basis: value of each spline. [T, K]
-        free: how far each foot of the rig may be moved, 0 where it is planted … 1. [T, L]
+        root, rotations: the poses, m and local: at T moments at which the attack is near, in
+            ascending order, and then at any others at which bounds are to hold. [M, 3], [M, J, 4]
+        basis: value of each spline. [M, K]
+        free: how far each foot of the rig may be moved, 0 where it is planted … 1. [M, L]
         attack: centres of its spheres, m. [T, I, 3]
         radii: of these, m. [I]
         absent: 1 where a sphere is not there between two moments, else 0. [T − 1, I]
@@ -67,10 +70,10 @@ class Problem:
         max_m, max_rad: caps on how far a joint moves and turns.
     """
 
-    root: Float[Array, "*b T 3"]
-    rotations: Float[Array, "*b T J 4"]
-    basis: Float[Array, "*b T K"]
-    free: Float[Array, "*b T L"]
+    root: Float[Array, "*b M 3"]
+    rotations: Float[Array, "*b M J 4"]
+    basis: Float[Array, "*b M K"]
+    free: Float[Array, "*b M L"]
     attack: Float[Array, "*b T I 3"]
     radii: Float[Array, "*b I"]
     absent: Float[Array, "*b V I"]
@@ -134,7 +137,7 @@ def nearest_intervals(gap: Float[Array, "V S"]) -> Int[Array, "H S"]:
     return jnp.minimum(first + inner, len(gap) - 1)
 
 
-def solve(rig: Rig, problem: Problem) -> Solution:
+def solve(rig: Rig, problem: Problem, trace=False) -> Solution:
     """Least change of one motion; see the module."""
     base = base_of(rig, problem.root, problem.rotations, problem.free)
     bases, unit = problem.basis, problem.unit
@@ -143,6 +146,7 @@ def solve(rig: Rig, problem: Problem) -> Solution:
     place = rig.place
 
     def spheres_of(joints: Array) -> Array:
+        joints = joints[: len(problem.attack)]
         share = place.reshape(1, -1, *([1] * (joints.ndim - 2)))
         return joints[:, rig.first] * (1 - share) + joints[:, rig.second] * share
 
@@ -162,6 +166,7 @@ def solve(rig: Rig, problem: Problem) -> Solution:
         at = nearest_intervals(gap)
         own = jnp.arange(gap.shape[1], dtype=jnp.int32)[None]
         local = _is_least(gap, at)
+        full = gap
         gap, way, share = gap[at, own], way[at, own], share[at, own, None]
         slopes = spheres_of(now.to_places) * unit
         low = jnp.einsum("hsx,hsxc->hsc", way, slopes[at, own]) * (1 - share)
@@ -169,7 +174,7 @@ def solve(rig: Rig, problem: Problem) -> Solution:
         lean = low[:, :, None] * bases[at][..., None] + high[:, :, None] * bases[at + 1][..., None]
         lean = lean.reshape(-1, x.size)
         push = multipliers - PENALTY * (gap - problem.margin)
-        push = jnp.where(local, jnp.maximum(push, 0.0), 0.0)
+        push = jnp.where(local, jnp.clip(push, 0.0, MOST_PUSH + PENALTY * jnp.maximum(problem.margin - gap, 0.0)), 0.0)
         active = (push > 0).astype(gap.dtype).reshape(-1, 1)
         soft, to_soft = _soft(rig, problem, base.places, now, bases @ x * unit, begins)
         to_soft = to_soft * unit
@@ -182,11 +187,13 @@ def solve(rig: Rig, problem: Problem) -> Solution:
         change = change * jnp.minimum(1.0, LONGEST_STEP / jnp.max(jnp.abs(change) + 1e-9))
         # The multipliers of the linear model after the step.
         push = push - PENALTY * active.reshape(push.shape) * (lean @ change).reshape(push.shape)
-        return (x + change.reshape(x.shape), jnp.maximum(push, 0.0)), None
+        return (x + change.reshape(x.shape), jnp.clip(push, 0.0, MOST_PUSH)), ((x, full, 0*full) if trace else None)
 
     zero = jnp.zeros((splines, channels), dtype=bases.dtype)
     none = jnp.zeros(rows.shape, dtype=bases.dtype)
-    (x, _), _ = jax.lax.scan(step, (zero, none), None, length=ITERATIONS)
+    (x, _), tr = jax.lax.scan(step, (zero, none), None, length=24 if trace else ITERATIONS)
+    if trace:
+        return tr
     after = swept(problem, spheres_of(pose(x).places), rig.radii)[0]
     return Solution(coefficients=x * unit, clearance=jnp.min(after), before=before)
 
@@ -269,3 +276,9 @@ _SETTINGS = ("size", "unit", "margin", "max_m", "max_rad")
 _LANES = Problem(**{n: None if n in _SETTINGS else 0 for n in Problem.__dataclass_fields__})  # pyright: ignore
 solve_lanes = jax.jit(solve_all)
 PER_LANE = _LANES
+
+
+def solve_trace_(rig, problem):
+    global _TR
+    return solve(rig, problem, trace=True)
+solve_trace = jax.jit(solve_trace_)
