@@ -21,9 +21,9 @@ import numpy as np
 from mgjax.bench.timing import interleaved
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core import kinematics, quaternion
+from mgjax.core.body.joint_limits import JointLimits, clamp, random_rotations
 from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid import LIMBS, REACHED, fabrik, fabrik_tree, find_limb, joint_limits, reach_pose
-from mgjax.core.body.joint_limits import JointLimits, clamp, random_rotations
 from mgjax.runs.experiment import Results, experiment
 
 PUBLISHED = {

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 from mgjax._lazy import attach
 
 if TYPE_CHECKING:
+    from mgjax.core.body.joint_limits import JointLimits as JointLimits
+    from mgjax.core.body.joint_limits import joint_limits as joint_limits
     from mgjax.hybrid.config import PathConfig as PathConfig
     from mgjax.hybrid.config import ReachConfig as ReachConfig
     from mgjax.hybrid.ik.chain import NOT_CONVERGED as NOT_CONVERGED
@@ -18,8 +20,6 @@ if TYPE_CHECKING:
     from mgjax.hybrid.ik.chain import UNREACHABLE_FAR as UNREACHABLE_FAR
     from mgjax.hybrid.ik.chain import UNREACHABLE_NEAR as UNREACHABLE_NEAR
     from mgjax.hybrid.ik.chain import fabrik as fabrik
-    from mgjax.core.body.joint_limits import JointLimits as JointLimits
-    from mgjax.core.body.joint_limits import joint_limits as joint_limits
     from mgjax.hybrid.ik.limbs import LIMBS as LIMBS
     from mgjax.hybrid.ik.limbs import Limb as Limb
     from mgjax.hybrid.ik.limbs import find_limb as find_limb

@@ -6,10 +6,10 @@ import json
 
 import numpy as np
 
+from mgjax.core.body.joint_limits import clamp, joint_limits, random_rotations
 from mgjax.core.kinematics import forward
 from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid import REACHED
-from mgjax.core.body.joint_limits import clamp, joint_limits, random_rotations
 from mgjax.hybrid.ik.tree import fabrik_tree
 from tests.cases.inputs import case_file, cases
 

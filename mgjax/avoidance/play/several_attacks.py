@@ -22,9 +22,11 @@ from mgjax.avoidance.energy.evaluate import judge
 from mgjax.avoidance.play.timeline import Piece
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
+from mgjax.avoidance.refinement.refine import refined_clearance
+from mgjax.avoidance.refinement.refinement import Refinement
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, make_walk, sample_walk
+from mgjax.graph.walk import Walk, make_walk
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,6 +47,13 @@ class JointPath:
     joint: bool
     choice: Choice | None = None
     seconds: float = 0.0
+
+    @property
+    def refinement(self) -> Refinement | None:
+        """How the walk is changed; None where it is not, or is another than the choice's."""
+        if self.choice is None or self.walk is not self.choice.walk:
+            return None
+        return self.choice.refinement
 
 
 def find_path(
@@ -84,7 +93,8 @@ def _find_path(
     rest: Piece,
 ) -> JointPath:
     begun = in_frame(attack, rest.start, rest.begins)
-    touched = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
+    near = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins)
+    touched = near < CLEAR_M and not rest.changes  # what is changed is clearer than its walk
     try:
         chosen = choose(prepared, node, attack, config=config)
     except AttackError:  # it is in the body where the path would begin
@@ -92,7 +102,13 @@ def _find_path(
     status = Status.HIT if touched else chosen.status
     if chosen.status == Status.NO_CANDIDATE:
         return JointPath(status=status, walk=None, joint=False, choice=chosen)
-    joint = _clear(prepared, chosen.walk, others)
+    if chosen.refinement is None:
+        joint = _clear(prepared, chosen.walk, others)
+    else:
+        joint = all(
+            refined_clearance(prepared.graph, chosen.walk, chosen.refinement, other) >= CLEAR_M
+            for other in others
+        )
     if chosen.status == Status.AVOIDED and not joint:
         walk = _clear_of_all(prepared, node, attack, others, config)
         if walk is not None:
@@ -140,7 +156,7 @@ def played_clearance(graph: MotionGraph, piece: Piece, attack: Attack, since: fl
     """
     first, last = int(np.floor(since * EXPORT_RATE)), int(np.ceil(attack.end * EXPORT_RATE))
     times = np.arange(first, max(last, first + 1) + 1) / EXPORT_RATE
-    motion = sample_walk(graph, piece.walk, times - piece.begins, start=piece.start)
+    motion = piece.sample(graph, times)
     spheres = preset_spheres(graph.skeleton)
     trace = sphere_trajectory(graph, spheres, replace(motion, frame_rate=EXPORT_RATE))
     return clearance(shifted(attack, first / EXPORT_RATE), trace, spheres.radii)[1]

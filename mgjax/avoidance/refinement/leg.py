@@ -81,7 +81,9 @@ def follow(rig: Rig, bones: Bones, told: Float[Array, "*b L 9"]) -> Followed:
     still = jnp.zeros_like(both).at[..., 0].set(1.0)
     foot = quaternion.multiply(both, quaternion.multiply(shin_turn, _back(bones.before)))
     turns = [quaternion.angle_between(still, x) for x in (hip_turn, knee_turn, foot)]
-    legs = [row for leg in rig.legs for row in (rig.limited.index(leg[0]), rig.limited.index(leg[1]))]
+    legs = [
+        row for leg in rig.legs for row in (rig.limited.index(leg[0]), rig.limited.index(leg[1]))
+    ]
     limits = jax.tree.map(lambda x: jnp.asarray(x)[np.array(legs, dtype=np.int64)], rig.limits)
     pairs = jnp.stack([hip_local, knee_local], axis=-2)
     flat = outside(pairs.reshape(*pairs.shape[:-3], -1, 4), limits)

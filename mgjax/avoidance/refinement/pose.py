@@ -48,7 +48,9 @@ def changed(
     hip_turn, knee_turn = two_bone.solve(
         places[..., hips, :], places[..., knees, :], places[..., ends, :], targets, pole
     )
-    parents = [np.array([rig.skeleton.parents[j] for j in joints]) for joints in (hips, knees, ends)]
+    parents = [
+        np.array([rig.skeleton.parents[j] for j in joints]) for joints in (hips, knees, ends)
+    ]
     local = two_bone.local_rotations(
         hip_turn,
         knee_turn,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
+from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.avoidance.refinement.pose import ankles_of, changed
 from mgjax.avoidance.refinement.rig import Rig
@@ -31,7 +32,10 @@ class Refinement:
         joints: names of the joints that it changes.
         moved_m: how far each of them is moved at most, m.
         turned_deg: how far each of them turns at most in its parent's frame, degrees.
-        clearance_before_m: signed distance of attack and body without it, m.
+        clearance_before_m, clearance_m: signed distance of attack and body without it and with
+            it, m.
+        coefficients: of the splines that ``values`` come from, before planted feet are left where
+            they are; see :mod:`mgjax.avoidance.refinement.splines`. [K, C]
     """
 
     start: float
@@ -40,6 +44,8 @@ class Refinement:
     moved_m: tuple[float, ...]
     turned_deg: tuple[float, ...]
     clearance_before_m: float
+    clearance_m: float
+    coefficients: Float[np.ndarray, "K C"]
 
     @property
     def stop(self) -> float:
@@ -55,6 +61,14 @@ class Refinement:
     def largest_deg(self) -> float:
         """How far any joint turns at most, degrees."""
         return max(self.turned_deg, default=0.0)
+
+    def effort(self, config: AvoidanceConfig) -> float:
+        """The larger of move and turn, as shares of the caps; 0 … 1."""
+        tiny = 1e-9
+        return max(
+            self.largest_m / max(config.refine_max_m, tiny),
+            self.largest_deg / max(config.refine_max_deg, tiny),
+        )
 
 
 def channels_at(

@@ -129,7 +129,9 @@ def captured_limits(graph: MotionGraph, joints: list[int]) -> JointLimits:
     moments = np.einsum("fni,fnj->nij", rotations, rotations)
     centre = np.linalg.eigh(moments)[1][..., -1]
     free = [[0.0] * 4] * len(joints)
-    open_ = joint_limits(offsets[children], swing=free, twist=[[0.0, 0.0]] * len(joints), centre=centre)
+    open_ = joint_limits(
+        offsets[children], swing=free, twist=[[0.0, 0.0]] * len(joints), centre=centre
+    )
     swing, twist = swing_twist(rotations, open_)
     box = np.stack(
         [swing[..., 0].min(0), swing[..., 0].max(0), swing[..., 1].min(0), swing[..., 1].max(0)],
@@ -158,5 +160,3 @@ def unit_of(rig: Rig, metres: float, radians: float) -> Float[np.ndarray, " C"]:
     rotations = 3 * len(rig.groups)
     ends = np.full(3 * len(rig.legs), metres)
     return np.concatenate([np.full(3, metres), np.full(rotations, radians), ends])
-
-

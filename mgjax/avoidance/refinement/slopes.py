@@ -127,14 +127,17 @@ def changed_with_slopes(rig: Rig, base: Base, channels: Float[Array, "T C"]) -> 
         target=base.places[:, ends] + moved,
     )
     followed, slopes = _follow_with_slopes(rig, bones)
-    free = jnp.einsum("tl,lm,xy->tlxmy", base.free, jnp.eye(legs, dtype=places.dtype), jnp.eye(3, dtype=places.dtype))
+    free = jnp.einsum(
+        "tl,lm,xy->tlxmy",
+        base.free,
+        jnp.eye(legs, dtype=places.dtype),
+        jnp.eye(3, dtype=places.dtype),
+    )
     free = free.reshape(moments, legs, 3, 3 * legs)
     to_target = jnp.concatenate(
         [jnp.zeros((moments, legs, 3, split), dtype=places.dtype), free], axis=-1
     )
-    spins = jnp.concatenate(
-        [jnp.zeros_like(root[:, hips]), axes[:, hips], still[:, hips]], axis=-1
-    )
+    spins = jnp.concatenate([jnp.zeros_like(root[:, hips]), axes[:, hips], still[:, hips]], axis=-1)
     told = jnp.concatenate([to_places[:, hips], spins, to_target], axis=-2)  # [T, L, 9, C]
     to_leg = jax.tree.map(lambda x: jnp.einsum("tl...n,tlnc->tl...c", x, told), slopes)
 
@@ -219,7 +222,9 @@ def _follow_with_slopes(rig: Rig, bones: Bones) -> tuple[Followed, Followed]:
     told = jnp.zeros((*bones.hip.shape[:-1], 9), dtype=bones.hip.dtype)
 
     def along(unit: Array) -> tuple[Followed, Followed]:
-        return jax.jvp(lambda x: follow(rig, bones, x), (told,), (jnp.broadcast_to(unit, told.shape),))
+        return jax.jvp(
+            lambda x: follow(rig, bones, x), (told,), (jnp.broadcast_to(unit, told.shape),)
+        )
 
     values, slopes = jax.vmap(along, out_axes=(None, -1))(jnp.eye(9, dtype=told.dtype))
     return values, slopes

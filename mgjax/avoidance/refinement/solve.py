@@ -131,7 +131,9 @@ def nearest_intervals(gap: Float[Array, "V S"]) -> Int[Array, "H S"]:
     before, after = jnp.concatenate([far, gap[:-1]]), jnp.concatenate([gap[1:], far])
     least = jnp.where((gap <= before) & (gap < after), gap, gap + 2 * FAR)
     chunks = -(-len(gap) // CHUNK)
-    padded = jnp.concatenate([least, jnp.broadcast_to(far, (chunks * CHUNK - len(gap), gap.shape[1]))])
+    padded = jnp.concatenate(
+        [least, jnp.broadcast_to(far, (chunks * CHUNK - len(gap), gap.shape[1]))]
+    )
     first = jnp.arange(chunks, dtype=jnp.int32)[:, None] * CHUNK
     inner = jnp.argmin(padded.reshape(chunks, CHUNK, -1), axis=1).astype(jnp.int32)
     return jnp.minimum(first + inner, len(gap) - 1)
@@ -174,7 +176,11 @@ def solve(rig: Rig, problem: Problem, trace=False) -> Solution:
         lean = low[:, :, None] * bases[at][..., None] + high[:, :, None] * bases[at + 1][..., None]
         lean = lean.reshape(-1, x.size)
         push = multipliers - PENALTY * (gap - problem.margin)
-        push = jnp.where(local, jnp.clip(push, 0.0, MOST_PUSH + PENALTY * jnp.maximum(problem.margin - gap, 0.0)), 0.0)
+        push = jnp.where(
+            local,
+            jnp.clip(push, 0.0, MOST_PUSH + PENALTY * jnp.maximum(problem.margin - gap, 0.0)),
+            0.0,
+        )
         active = (push > 0).astype(gap.dtype).reshape(-1, 1)
         soft, to_soft = _soft(rig, problem, base.places, now, bases @ x * unit, begins)
         to_soft = to_soft * unit
@@ -187,7 +193,9 @@ def solve(rig: Rig, problem: Problem, trace=False) -> Solution:
         change = change * jnp.minimum(1.0, LONGEST_STEP / jnp.max(jnp.abs(change) + 1e-9))
         # The multipliers of the linear model after the step.
         push = push - PENALTY * active.reshape(push.shape) * (lean @ change).reshape(push.shape)
-        return (x + change.reshape(x.shape), jnp.clip(push, 0.0, MOST_PUSH)), ((x, full, 0*full) if trace else None)
+        return (x + change.reshape(x.shape), jnp.clip(push, 0.0, MOST_PUSH)), (
+            (x, full, 0 * full) if trace else None
+        )
 
     zero = jnp.zeros((splines, channels), dtype=bases.dtype)
     none = jnp.zeros(rows.shape, dtype=bases.dtype)
@@ -281,4 +289,6 @@ PER_LANE = _LANES
 def solve_trace_(rig, problem):
     global _TR
     return solve(rig, problem, trace=True)
+
+
 solve_trace = jax.jit(solve_trace_)

@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.core import quaternion
+from mgjax.core.body.joint_limits import JointLimits, joint_limits, swing_twist
 from mgjax.core.body.roles import find_role, require_roles
 from mgjax.core.skeleton import Skeleton, rest_positions
 from mgjax.graph.types import MotionGraph
-from mgjax.core.body.joint_limits import JointLimits, joint_limits, swing_twist
 from mgjax.hybrid.ik.limbs import ARMS, LIMBS, Limb, find_limb
 from mgjax.hybrid.ik.pose import moved_joints
 

@@ -14,11 +14,11 @@ from jaxtyping import Float
 
 from mgjax.core import kinematics, quaternion
 from mgjax.core.arrays import Array
+from mgjax.core.body.joint_limits import JointLimits, clamp, from_swing_twist
 from mgjax.core.body.roles import find_role
 from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.padding import pad_axis
 from mgjax.hybrid.ik import tree_steps as steps
-from mgjax.core.body.joint_limits import JointLimits, clamp, from_swing_twist
 from mgjax.hybrid.ik.limbs import ARMS, Limb, orientation_locked
 from mgjax.hybrid.ik.pose import moved_joints
 from mgjax.hybrid.ik.rotations import with_local_rotations

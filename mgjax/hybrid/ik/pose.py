@@ -10,10 +10,10 @@ from jaxtyping import Float, Int
 
 from mgjax.core import kinematics
 from mgjax.core.arrays import Array
+from mgjax.core.body.joint_limits import JointLimits
 from mgjax.core.errors import SkeletonError
 from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid.ik.chain import fabrik
-from mgjax.core.body.joint_limits import JointLimits
 from mgjax.hybrid.ik.limbs import Limb, orientation_locked
 from mgjax.hybrid.ik.rotations import chain_rotations, with_local_rotations
 from mgjax.hybrid.ik.tree import fabrik_tree

@@ -20,8 +20,8 @@ from jaxtyping import Bool, Float
 
 from mgjax.core import quaternion
 from mgjax.core.arrays import Array
-from mgjax.hybrid.ik import tree_steps as steps
 from mgjax.core.body.joint_limits import JointLimits, clamp, from_swing_twist
+from mgjax.hybrid.ik import tree_steps as steps
 
 STARTS = 16
 """Poses started from with limits: the given one, and the nearest of each group drawn."""

@@ -15,9 +15,9 @@ from jax import lax
 from jaxtyping import Float, Int
 
 from mgjax.core.arrays import Array
+from mgjax.core.body.joint_limits import JointLimits, clamp
 from mgjax.hybrid.ik import tree_steps as steps
 from mgjax.hybrid.ik.chain import NOT_CONVERGED, REACHED, UNREACHABLE_FAR, UNREACHABLE_NEAR
-from mgjax.core.body.joint_limits import JointLimits, clamp
 from mgjax.hybrid.ik.search import STARTS, Budget, climb, drawn_poses, search_on
 
 _STEPS = 32

@@ -6,10 +6,10 @@ import pytest
 
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core import kinematics, quaternion
+from mgjax.core.body.joint_limits import clamp, joint_limits, random_rotations
 from mgjax.core.errors import SkeletonError
 from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid import LIMBS, NOT_CONVERGED, REACHED, UNREACHABLE_FAR, find_limb, reach_pose
-from mgjax.core.body.joint_limits import clamp, joint_limits, random_rotations
 from mgjax.hybrid.ik.limbs import steady_joints
 from mgjax.hybrid.ik.pose import moved_joints
 from mgjax.hybrid.ik.rotations import chain_rotations

@@ -7,6 +7,7 @@ import pytest
 
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core import quaternion
+from mgjax.core.body.joint_limits import clamp, random_rotations
 from mgjax.core.body.roles import find_role
 from mgjax.core.kinematics import forward, global_positions
 from mgjax.core.timing.easing import plateau, smoothstep
@@ -20,7 +21,6 @@ from mgjax.hybrid.body.capsules import (
 )
 from mgjax.hybrid.body.limb_limits import make_limb_limits
 from mgjax.hybrid.body.pelvis import lower_pelvis
-from mgjax.core.body.joint_limits import clamp, random_rotations
 from mgjax.hybrid.ik.limbs import ARMS, find_limb
 from mgjax.hybrid.reaching.dubins import dubins
 from mgjax.hybrid.reaching.placements import radius_of

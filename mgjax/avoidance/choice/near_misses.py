@@ -1,0 +1,77 @@
+"""Near misses: candidates touched a little, and what a small change makes of them."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Int
+
+from mgjax.avoidance.choice.results import Choice, Dropped, Status
+from mgjax.avoidance.choice.search import DEPTH, STATUS, search_candidates
+from mgjax.avoidance.choice.start import Query
+from mgjax.avoidance.choice.verify import Bounded, bounded, bounds_of, walk_of
+from mgjax.avoidance.energy.score import ROWS, Energy
+from mgjax.avoidance.refinement.refine import refine_walks
+from mgjax.avoidance.timing.time_scale import OK
+
+TOGETHER = 4
+"""Near misses that are changed in one call."""
+CALLS = 1
+"""At most so many calls."""
+NEAR = 1.2
+"""Candidates touched deeper than so many times the largest change are left alone."""
+
+
+def refined_miss(query: Query) -> Choice | None:
+    """The near miss that is clear after the least change; None where none can be made clear.
+
+    Those touched least come first, and of those that end with the same part only the first. All of
+    them are changed together. A walk whose continuation is touched counts as the whole does.
+    """
+    candidates = query.in_time
+    if not len(candidates.length):
+        return None
+    padded, result = search_candidates(query, candidates)
+    table = np.asarray(result.table)
+    numbers = _nearest(table, candidates.part, NEAR * query.config.refine_max_m)
+    for first in range(0, min(len(numbers), CALLS * TOGETHER), TOGETHER):
+        some = numbers[first : first + TOGETHER]
+        lanes: list[Bounded] = []
+        for rows, bounds in bounds_of(query, some, padded, np.asarray(result.scales)):
+            lanes += bounded(rows, bounds, padded)
+        walks = [walk_of(query, lane) for lane in lanes]
+        found = refine_walks(query.prepared, walks, query.attack, query.config)
+        changes = [(x.effort(query.config), k) for k, x in enumerate(found) if x is not None]
+        if not changes:
+            continue
+        best = min(changes)[1]
+        change = found[best]
+        assert change is not None
+        number = lanes[best].number
+        values = dict(zip(ROWS, table[:STATUS, number].tolist(), strict=True))
+        return Choice(
+            status=Status.AVOIDED,
+            node=query.node,
+            walk=walks[best],
+            path_length=lanes[best].length,
+            part=int(candidates.part[number]),
+            time_scale=values.pop("s_time"),
+            candidates=len(candidates.length),
+            dropped=Dropped(),
+            energy=Energy(**values),
+            clearance_m=change.clearance_m,
+            crop=query.crop,
+            refinement=change,
+        )
+    return None
+
+
+def _nearest(
+    table: np.ndarray, parts: Int[np.ndarray, " C"], deepest: float
+) -> Int[np.ndarray, " K"]:
+    """Candidates by how deep they are touched in the sampled volumes, one for each part."""
+    count = len(parts)
+    depth = table[DEPTH, :count]
+    order = np.argsort(-depth, kind="stable")
+    order = order[(table[STATUS, order] == OK) & (depth[order] >= -deepest)]
+    _, first = np.unique(parts[order], return_index=True)
+    return order[np.sort(first)]
