@@ -16,8 +16,10 @@ from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import EXPORT_RATE, FAR
 from mgjax.avoidance.refinement.played import Played, Refiner, free_at, written_frames
 from mgjax.avoidance.refinement.rig import unit_of
+from mgjax.avoidance.refinement.slopes import base_of
 from mgjax.avoidance.refinement.solve import PER_LANE, Problem
 from mgjax.avoidance.refinement.splines import basis, size_matrix
+from mgjax.core.arrays import Array
 from mgjax.core.kinematics import forward
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.graph.walk import extend
@@ -100,10 +102,13 @@ def lane_of(
         start=float(start),
         stop=float(stop),
         problem=Problem(
-            root=np.concatenate([root[rows], rest.root_translation]),
-            rotations=np.concatenate([rotations[rows], rest.local_rotations]),
+            base=base_of(
+                refiner.rig,
+                np.concatenate([root[rows], rest.root_translation]),
+                np.concatenate([rotations[rows], rest.local_rotations]),
+                free_at(refiner, played, start, stop, moments),
+            ),
             basis=basis(moments, start, stop).astype(np.float32),
-            free=free_at(refiner, played, start, stop, moments).astype(np.float32),
             attack=centres[rows].astype(np.float32),
             radii=attack.radii.astype(np.float32),
             absent=(~attack.lives(times[rows])).astype(np.float32),
@@ -122,27 +127,24 @@ def padded(lanes: list[Lane]) -> Problem:
     spheres = bucket_size(len(lanes[0].problem.radii), SPHERE_BUCKET, 8)
     rows = [_pad(lane.problem, moments, spheres) for lane in lanes]
     rows += [rows[-1]] * (bucket_size(len(rows), 1, 4) - len(rows))
-    return jax.tree.map(
-        lambda axis, *values: values[0] if axis is None else np.stack(values),
-        PER_LANE,
-        *rows,
-        is_leaf=lambda x: x is None,
-    )
+    lanes_of = {
+        name: jax.tree.map(lambda *x: np.stack(x), *(getattr(row, name) for row in rows))
+        for name in PER_LANE
+    }
+    return replace(rows[0], **lanes_of)
 
 
 def _pad(problem: Problem, moments: int, spheres: int) -> Problem:
-    def longer(values: np.ndarray) -> np.ndarray:
-        near, others = values[:-OTHERS], values[-OTHERS:]
-        return np.concatenate([pad_axis(np.asarray(near), moments), others])
+    def longer(values: Array) -> np.ndarray:
+        array = np.asarray(values)
+        return np.concatenate([pad_axis(array[:-OTHERS], moments), array[-OTHERS:]])
 
     absent = pad_axis(np.asarray(problem.absent), moments - 1, value=1)
     attack = pad_axis(np.asarray(problem.attack), moments)
     return replace(
         problem,
-        root=longer(problem.root),
-        rotations=longer(problem.rotations),
+        base=jax.tree.map(longer, problem.base),
         basis=longer(problem.basis),
-        free=longer(problem.free),
         attack=pad_axis(attack, spheres, axis=1),
         radii=pad_axis(np.asarray(problem.radii), spheres),
         absent=pad_axis(absent, spheres, axis=1, value=1),

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.body.spheres import BodySpheres
-from mgjax.core.arrays import Array
+from mgjax.core.arrays import Array, namespace
 from mgjax.core.body.joint_limits import JointLimits, joint_limits, swing_twist
 from mgjax.core.body.roles import find_role
 from mgjax.core.skeleton import Skeleton
@@ -70,10 +70,7 @@ def make_rig(graph: MotionGraph, spheres: BodySpheres) -> Rig:
     for row, joints in enumerate(groups.values()):
         shares[row, list(joints)] = 1 / len(joints)
     legs = tuple(leg for side in ("left", "right") if (leg := _leg(skeleton, side)) is not None)
-    limited = sorted(
-        {j for name, joints in groups.items() if name != "pelvis" for j in joints}
-        | {j for leg in legs for j in leg[:2]}
-    )
+    limited = sorted(j for name, joints in groups.items() if name != "pelvis" for j in joints)
     return Rig(
         skeleton=replace(skeleton, offsets=jnp.asarray(skeleton.offsets, dtype=jnp.float32)),
         groups=tuple(groups),
@@ -147,12 +144,19 @@ def captured_limits(graph: MotionGraph, joints: list[int]) -> JointLimits:
 def outside(rotations: Float[Array, "*b n 4"], limits: JointLimits) -> Float[Array, "*b n"]:
     """By how much joints are outside their limits, rad: the largest of swing and twist, or 0."""
     swing, twist = swing_twist(rotations, limits)
-    box, span = jnp.asarray(limits.swing), jnp.asarray(limits.twist)
+    xp = namespace(swing)
     lead = (1,) * (swing.ndim - 2)
-    box, span = box.reshape(*lead, *box.shape), span.reshape(*lead, *span.shape)
-    beyond = jnp.maximum(swing - box[..., 1::2], box[..., 0::2] - swing)
-    turned = jnp.maximum(twist - span[..., 1], span[..., 0] - twist)
-    return jnp.maximum(jnp.maximum(beyond[..., 0], beyond[..., 1]), jnp.maximum(turned, 0.0))
+    box, span = (xp.asarray(x).reshape(*lead, *x.shape) for x in (limits.swing, limits.twist))
+    beyond = xp.concatenate(
+        [
+            swing - box[..., 1::2],
+            box[..., 0::2] - swing,
+            (twist - span[..., 1])[..., None],
+            (span[..., 0] - twist)[..., None],
+        ],
+        axis=-1,
+    )
+    return xp.maximum(xp.max(beyond, axis=-1), 0.0)
 
 
 def unit_of(rig: Rig, metres: float, radians: float) -> Float[np.ndarray, " C"]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
@@ -58,21 +58,19 @@ class Changed:
 
 def base_of(
     rig: Rig,
-    root: Float[Array, "T 3"],
-    rotations: Float[Array, "T J 4"],
-    free: Float[Array, "T L"],
+    root: Float[np.ndarray, "T 3"],
+    rotations: Float[np.ndarray, "T J 4"],
+    free: Float[np.ndarray, "T L"],
 ) -> Base:
-    """What of unchanged poses is needed at every step."""
-    places, world = forward(rig.skeleton, root, rotations)
-    limited = rotations[:, np.array(rig.limited, dtype=np.int64)]
-    return Base(
-        root=root,
-        rotations=rotations,
-        places=places,
-        world=world,
-        free=free,
-        outside=outside(limited, rig.limits),
-    )
+    """What of unchanged poses is needed at every step, without compilation."""
+    skeleton = replace(rig.skeleton, offsets=np.asarray(rig.skeleton.offsets))
+    places, world = forward(skeleton, root, rotations)
+    limits = jax.tree.map(np.asarray, rig.limits)
+    beyond = outside(rotations[:, np.array(rig.limited, dtype=np.int64)], limits)
+    arrays = (root, rotations, places, world, free, beyond)
+    names = ("root", "rotations", "places", "world", "free", "outside")
+    rounded = (np.asarray(x, dtype=np.float32) for x in arrays)
+    return Base(**dict(zip(names, rounded, strict=True)))
 
 
 def changed_with_slopes(rig: Rig, base: Base, channels: Float[Array, "T C"]) -> Changed:
@@ -90,7 +88,7 @@ def changed_with_slopes(rig: Rig, base: Base, channels: Float[Array, "T C"]) -> 
     places, world = forward(rig.skeleton, base.root + channels[:, :3], rotations)
 
     # A joint that turns moves all below it about itself.
-    joints = np.array([j for j in rig.limited if j not in _leg_joints(rig)], dtype=np.int64)
+    joints = np.array(rig.limited, dtype=np.int64)
     turning = np.array([0, *joints], dtype=np.int64)
     below = jnp.asarray(_below(rig.skeleton.parents)[turning], dtype=places.dtype)  # [M, J]
     spin = _spins(world[:, turning], turns[:, turning])  # [T, M, 3 (world), 3 (channel)]
@@ -104,29 +102,27 @@ def changed_with_slopes(rig: Rig, base: Base, channels: Float[Array, "T C"]) -> 
     still = jnp.zeros((*places.shape, 3 * legs), dtype=places.dtype)
     to_places = jnp.concatenate([root, turned, still], axis=-1)
 
-    own = outside(rotations[:, joints], jax.tree.map(lambda x: x[_rows(rig, joints)], rig.limits))
-    own_slopes = _limit_slopes(rig, base, turns, joints)  # [T, n, 3]
+    own, own_slopes = _outside_with_slopes(rig, base, turns[:, joints])
     to_own = jnp.einsum("gn,tnk->tngk", rig.shares[:, joints], own_slopes)
     to_own = to_own.reshape(moments, len(joints), 3 * groups)
     zeros = (jnp.zeros((moments, len(joints), k), dtype=places.dtype) for k in (3, 3 * legs))
     to_own = jnp.concatenate([next(zeros), to_own, next(zeros)], axis=-1)
-    own = own - base.outside[:, _rows(rig, joints)]
+    own = own - base.outside
     if not legs:
         return Changed(places=places, to_places=to_places, bounds=own, to_bounds=to_own)
     hips, knees, ends = (np.array(x, dtype=np.int64) for x in zip(*rig.legs, strict=True))
-    parents = np.array([rig.skeleton.parents[j] for j in hips], dtype=np.int64)
     moved = channels[:, split:].reshape(moments, legs, 3) * base.free[..., None]
+    ahead = jnp.array([0.0, 0.0, 1.0], dtype=places.dtype)
     bones = Bones(
         hip=places[:, hips],
         knee=places[:, knees],
         ankle=places[:, ends],
-        parent=world[:, parents],
-        thigh=world[:, hips],
         shin=world[:, knees],
         before=base.world[:, knees],
         target=base.places[:, ends] + moved,
+        ahead=quaternion.rotate(world[:, knees], jnp.broadcast_to(ahead, (moments, legs, 3))),
     )
-    followed, slopes = _follow_with_slopes(rig, bones)
+    followed, slopes = _follow_with_slopes(bones)
     free = jnp.einsum(
         "tl,lm,xy->tlxmy",
         base.free,
@@ -148,28 +144,13 @@ def changed_with_slopes(rig: Rig, base: Base, channels: Float[Array, "T C"]) -> 
         foot = np.flatnonzero(feet[leg])
         places = places.at[:, foot].set(base.places[:, foot] + moved[:, leg, None])
         to_places = to_places.at[:, foot].set(to_target[:, leg, None])
-    rows = np.array([rig.limited.index(j) for leg in rig.legs for j in leg[:2]], dtype=np.int64)
-    beyond = followed.outside.reshape(moments, -1) - base.outside[:, rows]
     flat = (moments, -1, rig.channels)
     return Changed(
         places=places,
         to_places=to_places,
-        bounds=jnp.concatenate(
-            [followed.turns.reshape(moments, -1), own, beyond, followed.missed], axis=1
-        ),
-        to_bounds=jnp.concatenate(
-            [to_leg.turns.reshape(flat), to_own, to_leg.outside.reshape(flat), to_leg.missed],
-            axis=1,
-        ),
+        bounds=jnp.concatenate([followed.turns.reshape(moments, -1), own, followed.missed], axis=1),
+        to_bounds=jnp.concatenate([to_leg.turns.reshape(flat), to_own, to_leg.missed], axis=1),
     )
-
-
-def _leg_joints(rig: Rig) -> set[int]:
-    return {joint for leg in rig.legs for joint in leg}
-
-
-def _rows(rig: Rig, joints: np.ndarray) -> np.ndarray:
-    return np.array([rig.limited.index(j) for j in joints.tolist()], dtype=np.int64)
 
 
 def _below(parents: tuple[int, ...]) -> np.ndarray:
@@ -201,30 +182,27 @@ def _spins(world: Float[Array, "T M 4"], turns: Float[Array, "T M 3"]) -> Float[
     return jnp.stack(columns, axis=-1)
 
 
-def _limit_slopes(
-    rig: Rig, base: Base, turns: Float[Array, "T J 3"], joints: np.ndarray
-) -> Float[Array, "T n 3"]:
-    """Derivatives of what joints are outside of their range with respect to their own turns."""
-    limits = jax.tree.map(lambda x: x[_rows(rig, joints)], rig.limits)
-    own, before = turns[:, joints], base.rotations[:, joints]
+def _outside_with_slopes(
+    rig: Rig, base: Base, turns: Float[Array, "T n 3"]
+) -> tuple[Float[Array, "T n"], Float[Array, "T n 3"]]:
+    """By how much joints are outside of their range, and derivatives by their own turns."""
+    before = base.rotations[:, np.array(rig.limited, dtype=np.int64)]
 
-    def beyond(vectors: Array) -> Array:
-        return outside(quaternion.multiply(before, quaternion.exp(vectors)), limits)
+    def along(unit: Array) -> tuple[Array, Array]:
+        return jax.jvp(
+            lambda v: outside(quaternion.multiply(before, quaternion.exp(v)), rig.limits),
+            (turns,),
+            (jnp.broadcast_to(unit, turns.shape),),
+        )
 
-    def along(unit: Array) -> Array:
-        return jax.jvp(beyond, (own,), (jnp.broadcast_to(unit, own.shape),))[1]
-
-    return jax.vmap(along, out_axes=-1)(jnp.eye(3, dtype=own.dtype))
+    return jax.vmap(along, out_axes=(None, -1))(jnp.eye(3, dtype=turns.dtype))
 
 
-def _follow_with_slopes(rig: Rig, bones: Bones) -> tuple[Followed, Followed]:
+def _follow_with_slopes(bones: Bones) -> tuple[Followed, Followed]:
     """What the legs do, and its derivatives with respect to what they are told, last axis."""
     told = jnp.zeros((*bones.hip.shape[:-1], 9), dtype=bones.hip.dtype)
 
     def along(unit: Array) -> tuple[Followed, Followed]:
-        return jax.jvp(
-            lambda x: follow(rig, bones, x), (told,), (jnp.broadcast_to(unit, told.shape),)
-        )
+        return jax.jvp(lambda x: follow(bones, x), (told,), (jnp.broadcast_to(unit, told.shape),))
 
-    values, slopes = jax.vmap(along, out_axes=(None, -1))(jnp.eye(9, dtype=told.dtype))
-    return values, slopes
+    return jax.vmap(along, out_axes=(None, -1))(jnp.eye(9, dtype=told.dtype))

@@ -18,7 +18,7 @@ of that moment only, so derivatives are taken with respect to these.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
@@ -27,7 +27,7 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.rates import FAR
 from mgjax.avoidance.refinement.rig import Rig
-from mgjax.avoidance.refinement.slopes import Changed, base_of, changed_with_slopes
+from mgjax.avoidance.refinement.slopes import Base, Changed, changed_with_slopes
 from mgjax.core.arrays import Array
 from mgjax.core.xla.pytree import register
 
@@ -40,6 +40,8 @@ CHUNK = 24
 """In so many intervals each sphere counts once, where it is nearest."""
 INSIDE = 0.9
 """Share of the caps at which soft bounds begin."""
+DAMPING = 0.03
+"""Of each step, so that 32 bits do."""
 LONGEST_STEP = 0.8
 """Units by which a coefficient changes at most in one step."""
 MOVED_WEIGHT = 0.5
@@ -57,10 +59,9 @@ class Problem:
     """A motion, and an attack that it is to be clear of.
 
     Attributes:
-        root, rotations: the poses, m and local: at T moments at which the attack is near, in
-            ascending order, and then at any others at which bounds are to hold. [M, 3], [M, J, 4]
+        base: the poses at T moments at which the attack is near, in ascending order, and then at
+            any others at which bounds are to hold.
         basis: value of each spline. [M, K]
-        free: how far each foot of the rig may be moved, 0 where it is planted … 1. [M, L]
         attack: centres of its spheres, m. [T, I, 3]
         radii: of these, m. [I]
         absent: 1 where a sphere is not there between two moments, else 0. [T − 1, I]
@@ -70,10 +71,8 @@ class Problem:
         max_m, max_rad: caps on how far a joint moves and turns.
     """
 
-    root: Float[Array, "*b M 3"]
-    rotations: Float[Array, "*b M J 4"]
+    base: Base
     basis: Float[Array, "*b M K"]
-    free: Float[Array, "*b M L"]
     attack: Float[Array, "*b T I 3"]
     radii: Float[Array, "*b I"]
     absent: Float[Array, "*b V I"]
@@ -98,6 +97,16 @@ class Solution:
     coefficients: Float[Array, "*b K C"]
     clearance: Float[Array, "*b"]
     before: Float[Array, "*b"]
+
+
+@register()
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """Where a step begins: coefficients, m and rad, clearance, m, and what both cost."""
+
+    coefficients: Float[Array, "*b K C"]
+    clearance: Float[Array, "*b"]
+    cost: Float[Array, "*b"]
 
 
 def swept(
@@ -139,12 +148,13 @@ def nearest_intervals(gap: Float[Array, "V S"]) -> Int[Array, "H S"]:
     return jnp.minimum(first + inner, len(gap) - 1)
 
 
-def solve(rig: Rig, problem: Problem, trace=False) -> Solution:
+def solve(rig: Rig, problem: Problem) -> Solution:
     """Least change of one motion; see the module."""
-    base = base_of(rig, problem.root, problem.rotations, problem.free)
+    base = problem.base
     bases, unit = problem.basis, problem.unit
     splines, channels = bases.shape[-1], rig.channels
     weight = jnp.kron(problem.size, jnp.eye(channels, dtype=bases.dtype))
+    damping = DAMPING * jnp.eye(splines * channels, dtype=bases.dtype)
     place = rig.place
 
     def spheres_of(joints: Array) -> Array:
@@ -161,14 +171,14 @@ def solve(rig: Rig, problem: Problem, trace=False) -> Solution:
     begins = jnp.minimum(INSIDE * problem.max_m, 1.15 * needed)
     rows = nearest_intervals(start)
 
-    def step(state: tuple[Array, Array], _: None) -> tuple[tuple[Array, Array], None]:
+    def step(state: tuple[Array, Array], _: None) -> tuple[tuple[Array, Array], Step]:
         x, multipliers = state
         now = pose(x)
         gap, way, share = swept(problem, spheres_of(now.places), rig.radii)
         at = nearest_intervals(gap)
         own = jnp.arange(gap.shape[1], dtype=jnp.int32)[None]
         local = _is_least(gap, at)
-        full = gap
+        least = jnp.min(gap)
         gap, way, share = gap[at, own], way[at, own], share[at, own, None]
         slopes = spheres_of(now.to_places) * unit
         low = jnp.einsum("hsx,hsxc->hsc", way, slopes[at, own]) * (1 - share)
@@ -182,28 +192,34 @@ def solve(rig: Rig, problem: Problem, trace=False) -> Solution:
             0.0,
         )
         active = (push > 0).astype(gap.dtype).reshape(-1, 1)
-        soft, to_soft = _soft(rig, problem, base.places, now, bases @ x * unit, begins)
+        soft, to_soft, share_of_caps = _soft(
+            rig, problem, base.places, now, bases @ x * unit, begins
+        )
         to_soft = to_soft * unit
         squares = jnp.einsum("trc,trd->tcd", to_soft, to_soft)
         curve = jnp.einsum("tk,tl,tcd->kcld", bases, bases, squares).reshape(x.size, x.size)
         slope = jnp.einsum("tk,trc,tr->kc", bases, to_soft, soft).reshape(-1)
-        hessian = weight + curve + PENALTY * (lean * active).T @ lean
+        hessian = weight + damping + curve + PENALTY * (lean * active).T @ lean
         gradient = weight @ x.reshape(-1) + slope - push.reshape(-1) @ lean
         change = -jax.scipy.linalg.solve(hessian, gradient, assume_a="pos")
         change = change * jnp.minimum(1.0, LONGEST_STEP / jnp.max(jnp.abs(change) + 1e-9))
         # The multipliers of the linear model after the step.
         push = push - PENALTY * active.reshape(push.shape) * (lean @ change).reshape(push.shape)
-        return (x + change.reshape(x.shape), jnp.clip(push, 0.0, MOST_PUSH)), (
-            (x, full, 0 * full) if trace else None
-        )
+        missing = jnp.maximum(0.5 * problem.margin - least, 0.0) / problem.max_m
+        beyond = jnp.maximum(share_of_caps - 0.995, 0.0)
+        cost = missing + beyond + 1e-3 * (x.reshape(-1) @ weight @ x.reshape(-1))
+        cost = jnp.where(jnp.isfinite(cost), cost, jnp.inf)
+        worth = Step(coefficients=x * unit, clearance=least, cost=cost)
+        return (x + change.reshape(x.shape), jnp.clip(push, 0.0, MOST_PUSH)), worth
 
     zero = jnp.zeros((splines, channels), dtype=bases.dtype)
     none = jnp.zeros(rows.shape, dtype=bases.dtype)
-    (x, _), tr = jax.lax.scan(step, (zero, none), None, length=24 if trace else ITERATIONS)
-    if trace:
-        return tr
-    after = swept(problem, spheres_of(pose(x).places), rig.radii)[0]
-    return Solution(coefficients=x * unit, clearance=jnp.min(after), before=before)
+    # One step more than is used: it says what the one before it is worth.
+    _, steps = jax.lax.scan(step, (zero, none), None, length=ITERATIONS + 1)
+    best = jnp.argmin(steps.cost)
+    return Solution(
+        coefficients=steps.coefficients[best], clearance=steps.clearance[best], before=before
+    )
 
 
 def _is_least(gap: Float[Array, "V S"], at: Int[Array, "H S"]) -> Array:
@@ -223,8 +239,9 @@ def _soft(
     now: Changed,
     channels: Float[Array, "T C"],
     begins: Float[Array, ""],
-) -> tuple[Float[Array, "T R"], Float[Array, "T R C"]]:
-    """What a change costs beside the size of its curves, and its derivatives."""
+) -> tuple[Float[Array, "T R"], Float[Array, "T R C"], Float[Array, ""]]:
+    """What a change costs beside the size of its curves, its derivatives, and the largest move or
+    turn as a share of its cap."""
     groups, legs = len(rig.groups), len(rig.legs)
     moments, joints = places.shape[:2]
     split = 3 + 3 * groups
@@ -266,7 +283,9 @@ def _soft(
         _hinge(sunk, feet, _SOFT_FOOT_M),
     ]
     values, slopes = zip(*blocks, strict=True)
-    return jnp.concatenate(values, axis=1), jnp.concatenate(slopes, axis=1)
+    turned = jnp.maximum(jnp.max(turn * largest), jnp.max(now.bounds[:, :turns], initial=0.0))
+    used = jnp.maximum(jnp.max(length) / problem.max_m, turned / problem.max_rad)
+    return jnp.concatenate(values, axis=1), jnp.concatenate(slopes, axis=1), used
 
 
 def _hinge(value: Array, slopes: Array, scale: float) -> tuple[Array, Array]:
@@ -275,20 +294,14 @@ def _hinge(value: Array, slopes: Array, scale: float) -> tuple[Array, Array]:
     return value * on, slopes * on[..., None]
 
 
+PER_LANE = ("base", "basis", "attack", "radii", "absent")
+"""What each problem of several has of its own; the others are common to all."""
+
+
 def solve_all(rig: Rig, problems: Problem) -> Solution:
-    """Several problems of one rig, whose arrays have a leading axis but for the settings."""
-    return jax.vmap(lambda problem: solve(rig, problem), in_axes=(_LANES,))(problems)
+    """Several problems of one rig, those of ``PER_LANE`` with a leading axis."""
+    own = {name: getattr(problems, name) for name in PER_LANE}
+    return jax.vmap(lambda lane: solve(rig, replace(problems, **lane)))(own)
 
 
-_SETTINGS = ("size", "unit", "margin", "max_m", "max_rad")
-_LANES = Problem(**{n: None if n in _SETTINGS else 0 for n in Problem.__dataclass_fields__})  # pyright: ignore
 solve_lanes = jax.jit(solve_all)
-PER_LANE = _LANES
-
-
-def solve_trace_(rig, problem):
-    global _TR
-    return solve(rig, problem, trace=True)
-
-
-solve_trace = jax.jit(solve_trace_)
