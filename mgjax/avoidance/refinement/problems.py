@@ -30,8 +30,8 @@ LEAD_S = 0.5
 """How long before the first contact the change begins, and after the last one ends."""
 SHORTEST_S = 0.3
 """The same where the written motion would end earlier."""
-MOMENTS = 24
-"""Written frames near the attack that a call is compiled for, and four times as many"""
+MOMENTS = 32
+"""Written frames near the attack that a call is compiled for, and three times as many"""
 OTHERS = 16
 """Moments of the whole window at which bounds are looked at."""
 MOST_MOMENTS = 96
@@ -123,7 +123,7 @@ def lane_of(
 
 def padded(lanes: list[Lane]) -> Problem:
     """Problems of one shape, as many as a bucket holds; padding is never near."""
-    moments = bucket_size(max(len(lane.times) for lane in lanes), MOMENTS, 4)
+    moments = bucket_size(max(len(lane.times) for lane in lanes), MOMENTS, 3)
     spheres = bucket_size(len(lanes[0].problem.radii), SPHERE_BUCKET, 8)
     rows = [_pad(lane.problem, moments, spheres) for lane in lanes]
     rows += [rows[-1]] * (bucket_size(len(rows), 1, 4) - len(rows))

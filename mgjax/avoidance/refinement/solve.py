@@ -36,7 +36,7 @@ PENALTY = 2e4
 """ρ: a sphere 1 cm too near costs as much as a change of 1 unit of two channels."""
 MOST_PUSH = 400.0
 """Largest multiplier: where caps and margin cannot both be kept, caps are."""
-CHUNK = 24
+CHUNK = 32
 """In so many intervals each sphere counts once, where it is nearest."""
 INSIDE = 0.9
 """Share of the caps at which soft bounds begin."""
@@ -123,7 +123,12 @@ def swept(
     share = jnp.clip(-jnp.sum(begin * move, axis=-1) / along, 0.0, 1.0)
     near = begin + share[..., None] * move
     distance = jnp.sqrt(jnp.sum(near * near, axis=-1) + 1e-12)
-    gap = distance - problem.radii[:, None] - radii + FAR * problem.absent[..., None]
+    gap = (
+        distance
+        - problem.radii[None, :, None]
+        - radii[None, None]
+        + FAR * problem.absent[..., None]
+    )
     nearest = jnp.argmin(gap, axis=1)[:, None]
 
     def pick(values: Array) -> Array:
@@ -163,7 +168,7 @@ def solve(rig: Rig, problem: Problem) -> Solution:
         return joints[:, rig.first] * (1 - share) + joints[:, rig.second] * share
 
     def pose(x: Array) -> Changed:
-        return changed_with_slopes(rig, base, bases @ x * unit)
+        return changed_with_slopes(rig, base, bases @ x * unit[None])
 
     start = swept(problem, spheres_of(base.places), rig.radii)[0]
     before = jnp.min(start)
@@ -180,7 +185,7 @@ def solve(rig: Rig, problem: Problem) -> Solution:
         local = _is_least(gap, at)
         least = jnp.min(gap)
         gap, way, share = gap[at, own], way[at, own], share[at, own, None]
-        slopes = spheres_of(now.to_places) * unit
+        slopes = spheres_of(now.to_places) * unit[None, None, None]
         low = jnp.einsum("hsx,hsxc->hsc", way, slopes[at, own]) * (1 - share)
         high = jnp.einsum("hsx,hsxc->hsc", way, slopes[at + 1, own]) * share
         lean = low[:, :, None] * bases[at][..., None] + high[:, :, None] * bases[at + 1][..., None]
@@ -193,9 +198,9 @@ def solve(rig: Rig, problem: Problem) -> Solution:
         )
         active = (push > 0).astype(gap.dtype).reshape(-1, 1)
         soft, to_soft, share_of_caps = _soft(
-            rig, problem, base.places, now, bases @ x * unit, begins
+            rig, problem, base.places, now, bases @ x * unit[None], begins
         )
-        to_soft = to_soft * unit
+        to_soft = to_soft * unit[None, None]
         squares = jnp.einsum("trc,trd->tcd", to_soft, to_soft)
         curve = jnp.einsum("tk,tl,tcd->kcld", bases, bases, squares).reshape(x.size, x.size)
         slope = jnp.einsum("tk,trc,tr->kc", bases, to_soft, soft).reshape(-1)
@@ -209,7 +214,7 @@ def solve(rig: Rig, problem: Problem) -> Solution:
         beyond = jnp.maximum(share_of_caps - 0.995, 0.0)
         cost = missing + beyond + 1e-3 * (x.reshape(-1) @ weight @ x.reshape(-1))
         cost = jnp.where(jnp.isfinite(cost), cost, jnp.inf)
-        worth = Step(coefficients=x * unit, clearance=least, cost=cost)
+        worth = Step(coefficients=x * unit[None], clearance=least, cost=cost)
         return (x + change.reshape(x.shape), jnp.clip(push, 0.0, MOST_PUSH)), worth
 
     zero = jnp.zeros((splines, channels), dtype=bases.dtype)
@@ -270,7 +275,7 @@ def _soft(
         (shift.reshape(moments, -1) * weak, now.to_places.reshape(moments, 3 * joints, -1) * weak),
         _hinge(length - begins, to_length, 0.01),
         _hinge(length - INSIDE * problem.max_m, to_length, _SOFT_M),
-        _hinge(turn * largest - bound, to_turn * largest[:, None], _SOFT_RAD),
+        _hinge(turn * largest[None] - bound, to_turn * largest[None, :, None], _SOFT_RAD),
         _hinge(now.bounds[:, :turns] - bound, now.to_bounds[:, :turns], _SOFT_RAD),
         _hinge(
             now.bounds[:, turns : turns + inner] - 1e-3,
@@ -283,7 +288,7 @@ def _soft(
         _hinge(sunk, feet, _SOFT_FOOT_M),
     ]
     values, slopes = zip(*blocks, strict=True)
-    turned = jnp.maximum(jnp.max(turn * largest), jnp.max(now.bounds[:, :turns], initial=0.0))
+    turned = jnp.maximum(jnp.max(turn * largest[None]), jnp.max(now.bounds[:, :turns], initial=0.0))
     used = jnp.maximum(jnp.max(length) / problem.max_m, turned / problem.max_rad)
     return jnp.concatenate(values, axis=1), jnp.concatenate(slopes, axis=1), used
 
