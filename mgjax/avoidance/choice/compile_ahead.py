@@ -28,6 +28,7 @@ from mgjax.avoidance.choice.search import bound, in_32_bits, search_one
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.avoidance.refinement.refine import compile_refining
 from mgjax.graph.types import MotionGraph
 
 
@@ -44,7 +45,8 @@ def warm_up(
 
     Args:
         graph: a motion graph with labelled avoidance parts.
-        config: settings; only the graph's tables, ``form``, ``d0`` and ``capacity`` matter.
+        config: settings; only the graph's tables, ``form``, ``d0``, ``capacity`` and
+            ``refine`` matter.
         horizon: attacks that are over by then, s from now, are answered without compiling; so
             are those of walks of up to 160 edges.
         spheres: the most spheres of an attack.
@@ -68,7 +70,7 @@ def programs(
     """A call for each program of :func:`warm_up`, which compiles it.
 
     Those that nearly every attack needs come first: of short walks, then the checks, then of long
-    walks.
+    walks, and refinement last.
     """
     config = config or AvoidanceConfig()
     prepared = prepared_for(graph, config)
@@ -92,7 +94,8 @@ def programs(
         for count in _sizes(CHECK_FRAMES, 4, frames)
         for slot in slots
     ]
-    return [*short, *checks, *long]
+    refined = [partial(compile_refining, prepared, slot) for slot in slots]
+    return [*short, *checks, *long, *(refined if config.refine != "off" else [])]
 
 
 def _search(

@@ -10,13 +10,12 @@ from mgjax.avoidance.choice.search import DEPTH, STATUS, search_candidates
 from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.choice.verify import Bounded, bounded, bounds_of, walk_of
 from mgjax.avoidance.energy.score import ROWS, Energy
+from mgjax.avoidance.refinement.problems import LANES
 from mgjax.avoidance.refinement.refine import refine_walks
 from mgjax.avoidance.timing.time_scale import OK
 
-TOGETHER = 4
-"""Near misses that are changed in one call."""
-CALLS = 1
-"""At most so many calls."""
+MOST = LANES
+"""Near misses that are tried at most."""
 NEAR = 1.2
 """Candidates touched deeper than so many times the largest change are left alone."""
 
@@ -33,8 +32,8 @@ def refined_miss(query: Query) -> Choice | None:
     padded, result = search_candidates(query, candidates)
     table = np.asarray(result.table)
     numbers = _nearest(table, candidates.part, NEAR * query.config.refine_max_m)
-    for first in range(0, min(len(numbers), CALLS * TOGETHER), TOGETHER):
-        some = numbers[first : first + TOGETHER]
+    for first in range(0, min(len(numbers), MOST), LANES):
+        some = numbers[first : first + LANES]
         lanes: list[Bounded] = []
         for rows, bounds in bounds_of(query, some, padded, np.asarray(result.scales)):
             lanes += bounded(rows, bounds, padded)

@@ -15,13 +15,14 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import EXPORT_RATE, FAR
 from mgjax.avoidance.refinement.played import Played, Refiner, free_at, written_frames
-from mgjax.avoidance.refinement.rig import unit_of
+from mgjax.avoidance.refinement.rig import Rig, unit_of
 from mgjax.avoidance.refinement.slopes import base_of
 from mgjax.avoidance.refinement.solve import PER_LANE, Problem
 from mgjax.avoidance.refinement.splines import basis, size_matrix
 from mgjax.core.arrays import Array
 from mgjax.core.kinematics import forward
 from mgjax.core.xla.padding import bucket_size, pad_axis
+from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import extend
 
 MARGIN_M = 0.008
@@ -30,6 +31,8 @@ LEAD_S = 0.5
 """How long before the first contact the change begins, and after the last one ends."""
 SHORTEST_S = 0.3
 """The same where the written motion would end earlier."""
+LANES = 4
+"""Motions that are changed together."""
 MOMENTS = 32
 """Written frames near the attack that a call is compiled for, and three times as many"""
 OTHERS = 16
@@ -112,11 +115,7 @@ def lane_of(
             attack=centres[rows].astype(np.float32),
             radii=attack.radii.astype(np.float32),
             absent=(~attack.lives(times[rows])).astype(np.float32),
-            size=size_matrix().astype(np.float32),
-            unit=unit_of(refiner.rig, UNIT_M * scale, UNIT_RAD).astype(np.float32),
-            margin=np.asarray(MARGIN_M * scale, np.float32),
-            max_m=np.asarray(config.refine_max_m, np.float32),
-            max_rad=np.asarray(np.radians(config.refine_max_deg), np.float32),
+            **_settings(refiner.rig, scale, config.refine_max_m, config.refine_max_deg),
         ),
     )
 
@@ -126,12 +125,46 @@ def padded(lanes: list[Lane]) -> Problem:
     moments = bucket_size(max(len(lane.times) for lane in lanes), MOMENTS, 3)
     spheres = bucket_size(len(lanes[0].problem.radii), SPHERE_BUCKET, 8)
     rows = [_pad(lane.problem, moments, spheres) for lane in lanes]
-    rows += [rows[-1]] * (bucket_size(len(rows), 1, 4) - len(rows))
-    lanes_of = {
+    rows += [rows[-1]] * (LANES * -(-len(rows) // LANES) - len(rows))
+    return _stacked(rows)
+
+
+def empty_problem(graph: MotionGraph, rig: Rig, moments: int, spheres: int) -> Problem:
+    """A problem of a compiled shape in which nothing is ever near."""
+    count = moments + OTHERS
+    rows = np.zeros(count, np.int64)
+    free = np.zeros((count, len(rig.legs)))
+    base = base_of(rig, graph.root_translation[rows], graph.local_rotations[rows], free)
+    times = np.linspace(0, 1, count)
+    one = Problem(
+        base=base,
+        basis=basis(times, 0.0, 1.0).astype(np.float32),
+        attack=np.full((moments, spheres, 3), 100.0, np.float32),
+        radii=np.ones(spheres, np.float32),
+        absent=np.ones((moments - 1, spheres), np.float32),
+        **_settings(rig, 1.0, 0.1, 20.0),
+    )
+    return _stacked([one] * LANES)
+
+
+def _settings(rig: Rig, scale: float, max_m: float, max_deg: float) -> dict[str, np.ndarray]:
+    """What all problems of a graph have in common, for a body of a scale."""
+    return {
+        "size": size_matrix().astype(np.float32),
+        "unit": unit_of(rig, UNIT_M * scale, UNIT_RAD).astype(np.float32),
+        "margin": np.asarray(MARGIN_M * scale, np.float32),
+        "max_m": np.asarray(max_m, np.float32),
+        "max_rad": np.asarray(np.radians(max_deg), np.float32),
+    }
+
+
+def _stacked(rows: list[Problem]) -> Problem:
+    """Problems of one shape as one."""
+    own = {
         name: jax.tree.map(lambda *x: np.stack(x), *(getattr(row, name) for row in rows))
         for name in PER_LANE
     }
-    return replace(rows[0], **lanes_of)
+    return replace(rows[0], **own)
 
 
 def _pad(problem: Problem, moments: int, spheres: int) -> Problem:

@@ -14,7 +14,14 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.avoidance.refinement.played import Played, Refiner, free_at, refiner_of, written_frames
-from mgjax.avoidance.refinement.problems import Lane, lane_of, padded
+from mgjax.avoidance.refinement.problems import (
+    MOMENTS,
+    MOST_MOMENTS,
+    Lane,
+    empty_problem,
+    lane_of,
+    padded,
+)
 from mgjax.avoidance.refinement.refinement import (
     Refinement,
     change_motion,
@@ -79,6 +86,18 @@ def refine_walks(
         )
         row += 1
     return found
+
+
+def compile_refining(prepared: Prepared, spheres: int) -> None:
+    """Changes motions for nothing, so that no later call compiles: at both numbers of moments.
+
+    Args:
+        prepared: of the graph.
+        spheres: of the attack, padded.
+    """
+    rig = refiner_of(prepared.graph).rig
+    for moments in (MOMENTS, MOST_MOMENTS):
+        solve_lanes(rig, empty_problem(prepared.graph, rig, moments, spheres))
 
 
 def checked(

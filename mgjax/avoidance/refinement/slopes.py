@@ -137,6 +137,7 @@ def changed_with_slopes(rig: Rig, base: Base, channels: Float[Array, "T C"]) -> 
     told = jnp.concatenate([to_places[:, hips], spins, to_target], axis=-2)  # [T, L, 9, C]
     to_leg = jax.tree.map(lambda x: jnp.einsum("tl...n,tlnc->tl...c", x, told), slopes)
 
+    places, to_places = jnp.asarray(places), jnp.asarray(to_places)
     feet = _below(rig.skeleton.parents)[ends] | np.eye(rig.skeleton.num_joints, dtype=bool)[ends]
     for leg in range(legs):
         places = places.at[:, knees[leg]].set(followed.knee[:, leg])

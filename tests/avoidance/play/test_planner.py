@@ -31,7 +31,7 @@ from mgjax.graph.types import NO_EDGE, MotionGraph
 from mgjax.graph.walk import sample_walk
 from tests.avoidance.made import throw, with_knots
 
-QUICK = AvoidanceConfig(checks=12)
+QUICK = AvoidanceConfig(checks=12, refine="off")
 
 
 def world_throw(planner: Planner, rng: np.random.Generator, now: float, **more: float) -> Attack:

@@ -61,7 +61,9 @@ def test_places_of_changed_poses(still: MotionGraph, rig: Rig) -> None:
     channels = drawn(rig, 0.06)
     base = base_of(rig, root, rotations, np.ones((3, len(rig.legs))))
     found = np.asarray(changed_jit(rig, base, channels).places)
-    written = changed(rig, *map(jnp.asarray, (root, rotations, channels)), *_ankles(rig, still))
+    ankles, feet = ankles_of(rig, jnp.asarray(root), jnp.asarray(rotations))
+    values = (jnp.asarray(x) for x in (root, rotations, channels))
+    written = changed(rig, next(values), next(values), next(values), ankles, feet)
     places, _ = forward(rig.skeleton, *written)
     groups = list(joint_groups(still.skeleton).values())
     parents, offsets = still.skeleton.parents, np.asarray(still.skeleton.offsets)
@@ -91,11 +93,6 @@ def _below(parents: tuple[int, ...], top: int, joint: int) -> bool:
     while joint > top:
         joint = parents[joint]
     return joint == top
-
-
-def _ankles(rig: Rig, graph: MotionGraph) -> tuple[jax.Array, jax.Array]:
-    ankles, feet = ankles_of(rig, *map(jnp.asarray, poses(graph)))
-    return jnp.asarray(ankles), jnp.asarray(feet)
 
 
 def test_slopes_are_finite_differences(still: MotionGraph, rig: Rig) -> None:

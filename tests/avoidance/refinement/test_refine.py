@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
+from mgjax.avoidance.attacks.transform import in_frame
 from mgjax.avoidance.body.spheres import preset_spheres, sphere_centres
 from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.choice.selection import Selection, refine, select, write
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.many.attacks import select_batch
+from mgjax.avoidance.play.planner import Planner
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.avoidance.refinement.refine import ENOUGH_M, refine_walks
+from mgjax.cli.avoid import selection_json
+from mgjax.core import planar
 from mgjax.core.body.roles import require_roles
 from mgjax.core.errors import ConfigError
 from mgjax.core.kinematics import forward
@@ -129,7 +134,7 @@ def test_caps_are_kept(still: MotionGraph) -> None:
 def test_what_cannot_be_survived_is_a_hit_and_stays_as_it_was(still: MotionGraph) -> None:
     centre = still.root_translation[0].astype(np.float64)
     attack = ball_attack(
-        centre + np.array([0, 0, 20.0]), centre, speed=50.0, arrives=1.0, radius=1.0
+        centre + np.array([0, 0, 20.0]), centre, speed=50.0, arrives=1.5, radius=1.0
     )
     chosen = select(still, 0, attack, config=replace(CONFIG, T_wide=0.0))
     assert chosen.status == Status.HIT
@@ -139,17 +144,39 @@ def test_what_cannot_be_survived_is_a_hit_and_stays_as_it_was(still: MotionGraph
 
 
 def test_near_misses_are_refined_unless_it_is_off(still: MotionGraph) -> None:
-    # The second edge is no help: its part comes at another time.
     attack = ball_into_head(still, 0.03)
     narrow = replace(CONFIG, T_wide=0.0)
     near = select(still, 0, attack, config=narrow)
     off = select(still, 0, attack, config=replace(narrow, refine="off"))
+    assert off.status == Status.HIT
     assert off.refinement is None
-    if off.status == Status.HIT:
-        assert near.status == Status.AVOIDED
-        assert near.refinement is not None
-    names = {field.name for field in fields(Choice)}
-    assert "refinement" in names
+    assert near.status == Status.AVOIDED
+    assert near.refinement is not None
+    # The written motion, by the sphere centres that go into volumes.npz.
+    radii = preset_spheres(still.skeleton).radii
+    there = (near.trace.times >= attack.start) & (near.trace.times <= attack.end)
+    gaps = np.linalg.norm(attack.at(near.trace.times[there]) - near.trace.centres[there], axis=-1)
+    assert (gaps - radii - attack.radii).min() > 0
+    many = select_batch(still, [0, 0], [attack, attack], config=narrow)
+    assert many.status.tolist() == [Status.AVOIDED.code] * 2
+    np.testing.assert_allclose(many.clearance, near.refinement.clearance_m, atol=1e-3)
+    told = selection_json(still, near)["refinement"]
+    assert told["largest_m"] == near.refinement.largest_m
+    assert set(told["joints"]) == set(near.refinement.joints)
+    assert selection_json(still, off)["refinement"] is None
+
+
+def test_the_planner_plays_what_was_refined(still: MotionGraph) -> None:
+    attack = ball_into_head(still, 0.03)
+    place = np.array([0.7, 1.0, -2.0])
+    planner = Planner(still, config=replace(CONFIG, T_wide=0.0), node=0, start=place)
+    end = planner.timeline.end  # the search is for the end of the edge that is being played
+    world = in_frame(attack, np.asarray(planar.inverse(planner.timeline.frame_at_end())), -end)
+    planner.attack(world)
+    (found,) = planner.finish()
+    assert found.status == "avoided"
+    assert found.clearance_m >= ENOUGH_M * still.body_scale
+    assert planner.timeline.changes
 
 
 @pytest.mark.parametrize(
