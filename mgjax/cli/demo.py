@@ -97,8 +97,9 @@ def _balls_json(graph: MotionGraph, motion: Motion, throws: list[Throw]) -> list
 def throw_balls(graph: MotionGraph, balls: int, seed: int) -> tuple[list[Throw], Walk]:
     """Throws ``balls`` balls from random sides at 10 m/s; the motions follow one another."""
     rng = np.random.default_rng(seed)
-    # The motions follow one another where each walk ends, at natural speed in this form only.
-    config = AvoidanceConfig(warp="linear")
+    # The motions follow one another where each walk ends, at natural speed in this form only; and
+    # it is their walks that are joined, so none may be changed.
+    config = AvoidanceConfig(warp="linear", refine="off")
     node = int(rng.integers(graph.num_nodes))
     throws: list[Throw] = []
     walks: list[Walk] = []
