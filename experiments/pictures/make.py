@@ -65,7 +65,8 @@ def main() -> None:
 
 def dodged(graph: MotionGraph) -> Show:
     """Balls one after another, all of them avoided: others are thrown until they are."""
-    config = AvoidanceConfig(warp="linear")  # the motions follow one another at natural speed
+    # The motions follow one another at natural speed, as their walks are.
+    config = AvoidanceConfig(warp="linear", refine="off")
     rng = np.random.default_rng(0)
     line = Timeline(graph, int(rng.integers(graph.num_nodes)))
     throws: list[Thrown] = []

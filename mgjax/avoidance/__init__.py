@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from mgjax.avoidance.choice.results import Dropped as Dropped
     from mgjax.avoidance.choice.results import Status as Status
     from mgjax.avoidance.choice.selection import Selection as Selection
+    from mgjax.avoidance.choice.selection import refine as refine
     from mgjax.avoidance.choice.selection import select as select
     from mgjax.avoidance.config import AvoidanceConfig as AvoidanceConfig
     from mgjax.avoidance.config import SpeedConfig as SpeedConfig
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from mgjax.avoidance.play.planner import Planner as Planner
     from mgjax.avoidance.prepared import Prepared as Prepared
     from mgjax.avoidance.prepared import prepare as prepare
+    from mgjax.avoidance.refinement.refinement import Refinement as Refinement
     from mgjax.core.timing.time_warp import TimeWarp as TimeWarp
 else:
     __getattr__, __dir__, __all__ = attach(
@@ -82,6 +84,8 @@ else:
             "load_index": "mgjax.avoidance.index.files",
             "merge_attacks": "mgjax.avoidance.attacks.merge",
             "Planner": "mgjax.avoidance.play.planner",
+            "refine": "mgjax.avoidance.choice.selection",
+            "Refinement": "mgjax.avoidance.refinement.refinement",
             "save_index": "mgjax.avoidance.index.files",
             "select": "mgjax.avoidance.choice.selection",
             "select_batch": "mgjax.avoidance.many.attacks",

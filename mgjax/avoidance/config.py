@@ -118,6 +118,10 @@ class AvoidanceConfig:
         culling: slices that drop candidates before they are judged (§5.2): of whole edges
             (``"paper"``), of 0.1 s of motion (``"binned"``), or none. They drop good candidates,
             too, and here they take longer than they save.
+        refine: ``"near"``: where no candidate is clear, those that the attack touches least are
+            changed a little until one is. ``"off"``: never, as in the paper.
+        refine_max_m, refine_max_deg: how far any joint may then be moved, of an adult, m, and
+            turned in its parent's frame, degrees.
     """
 
     energy: EnergyConfig = EnergyConfig()
@@ -134,6 +138,9 @@ class AvoidanceConfig:
     settle_s: float = 0.2
     warp: Literal["smooth", "linear"] = "smooth"
     culling: Literal["none", "paper", "binned"] = "none"
+    refine: Literal["near", "off"] = "near"
+    refine_max_m: float = 0.10
+    refine_max_deg: float = 20.0
 
 
 _RANGES: Ranges = {
@@ -144,6 +151,8 @@ _RANGES: Ranges = {
     "body_rate": (1.0, 1000.0),
     "evaluation_step_s": (1e-3, 1.0),
     "settle_s": (0.0, 10.0),
+    "refine_max_m": (0.0, 1.0),
+    "refine_max_deg": (0.0, 180.0),
     "capacity": (1, 1_000_000),
     "checks": (1, 1_000_000),
     "energy.E_avoidance": (1e-9, 1e9),
@@ -180,6 +189,7 @@ def for_body(config: AvoidanceConfig, scale: float) -> AvoidanceConfig:
         config,
         crop_radius_m=scale * config.crop_radius_m,
         crop_height_m=scale * config.crop_height_m,
+        refine_max_m=scale * config.refine_max_m,
         energy=sized(config.energy, _ENERGIES, scale),
         speed=sized(config.speed, _SPEEDS, scale),
     )
@@ -199,6 +209,7 @@ def validate_config(config: AvoidanceConfig) -> None:
         ("energy.form", config.energy.form, ("overlap", "paper")),
         ("energy.d0", config.energy.d0, ("clamped", "paper")),
         ("warp", config.warp, ("smooth", "linear")),
+        ("refine", config.refine, ("near", "off")),
     ):
         if value not in known:
             raise ConfigError(got=f"{key} = {value!r}", expected=" or ".join(known))

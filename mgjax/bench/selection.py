@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
@@ -69,7 +69,8 @@ def condition_rows(
     ``repeats`` calls. ``candidates`` is the mean of what the condition starts from: those looked up
     where the index holds some, else those enumerated; the slices then drop some.
     """
-    configs = {True: AvoidanceConfig(culling="binned"), False: AvoidanceConfig()}
+    plain = AvoidanceConfig(refine="off")
+    configs = {True: replace(plain, culling="binned"), False: plain}
     prepared = {sliced: prepared_for(graph, config) for sliced, config in configs.items()}
     first, seconds = np.zeros(4), np.zeros((4, repeats, len(balls)))
     statuses = np.zeros((4, len(balls)), dtype=object)

@@ -15,6 +15,7 @@ from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.choice.selection import Selection, both_timings, select
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.avoidance.refinement.refinement import Refinement
 from mgjax.avoidance.timing.walk_warps import natural_starts, part_moments, speed_change
 from mgjax.cli.arguments import Avoid
 from mgjax.cli.report import emit, seams_json, to_json
@@ -106,9 +107,23 @@ def selection_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
         "energy": None if chosen.energy is None else dataclasses.asdict(chosen.energy),
         "clearance_m": chosen.clearance_m,
         "clear_until": chosen.clear_until,
+        "refinement": None if chosen.refinement is None else refinement_json(chosen.refinement),
         "attack": None
         if crop is None
         else {"crop_start_s": crop.start, "crop_end_s": crop.end, "t_attack": crop.middle},
+    }
+
+
+def refinement_json(change: Refinement) -> dict[str, Any]:
+    """How a motion was changed as JSON values: when, and how far each joint at most."""
+    rows = zip(change.joints, change.moved_m, change.turned_deg, strict=True)
+    return {
+        "start_s": change.start,
+        "end_s": change.stop,
+        "clearance_before_m": change.clearance_before_m,
+        "largest_m": change.largest_m,
+        "largest_deg": change.largest_deg,
+        "joints": {name: {"moved_m": m, "turned_deg": deg} for name, m, deg in rows},
     }
 
 
@@ -213,8 +228,12 @@ def describe(graph: MotionGraph, selection: Selection) -> str:
     if chosen.status == "no_candidate":
         return f"no candidate ({chosen.candidates} walks, dropped {chosen.dropped})"
     kind, way = graph.label_kind[chosen.part or 0], graph.label_direction[chosen.part or 0]
+    change = chosen.refinement
+    changed = ""
+    if change is not None:
+        changed = f", changed by {100 * change.largest_m:.1f} cm and {change.largest_deg:.0f}°"
     return (
         f"{chosen.status} by {kind} {way}".rstrip()
         + f", clearance {chosen.clearance_m:.3f} m, time scale {chosen.time_scale:.2f},"
-        f" best of {chosen.candidates} candidates"
+        f" best of {chosen.candidates} candidates{changed}"
     )

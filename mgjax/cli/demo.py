@@ -99,8 +99,9 @@ def throw_balls(graph: MotionGraph, balls: int, seed: int) -> tuple[list[Thrown]
     What came of each is said of the one motion that they make, and checked on it.
     """
     rng = np.random.default_rng(seed)
-    # The motions follow one another where each walk ends, at natural speed in this form only.
-    config = AvoidanceConfig(warp="linear")
+    # The motions follow one another where each walk ends, at natural speed in this form only; and
+    # it is their walks that are joined, so none may be changed.
+    config = AvoidanceConfig(warp="linear", refine="off")
     line = Timeline(graph, int(rng.integers(graph.num_nodes)))
     throws: list[Thrown] = []
     for number in range(balls):

@@ -82,7 +82,7 @@ def assert_same_choice(got, want, size):
 
 @pytest.mark.parametrize("form", ["overlap", "paper"])
 def test_the_same_choices(made_graph, other_graph, size, form):
-    config = AvoidanceConfig()
+    config = AvoidanceConfig(refine="off")
     config = replace(config, energy=replace(config.energy, form=form, E_avoidance=0.1))
     here, there = prepare(made_graph, config), prepare(other_graph, config)
     nodes, balls = thrown(made_graph)
@@ -121,7 +121,7 @@ def test_the_same_slices(made_graph, other_graph, size, culling):
 
 
 def test_the_same_answers_of_the_index(made_graph, other_graph, size):
-    config = AvoidanceConfig()
+    config = AvoidanceConfig(refine="off")
     one, other = build_index(made_graph), build_index(other_graph)
     if size in EXACT:
         np.testing.assert_array_equal(other.column, one.column)
@@ -152,7 +152,7 @@ def test_the_same_of_many(made_graph, other_graph, size):
 
 def test_the_motion_that_is_written(made_graph, other_graph, size):
     nodes, balls = thrown(made_graph)
-    config = AvoidanceConfig()
+    config = AvoidanceConfig(refine="off")
     for node, ball in list(zip(nodes, balls, strict=True))[:3]:
         want = select(made_graph, node, ball, config=config)
         got = select(other_graph, node, of_size(ball, size), config=config)

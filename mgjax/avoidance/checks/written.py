@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -53,6 +54,7 @@ def write_walk(
     warp: TimeWarp | None,
     attack: Attack | None,
     begin: FeetState | None = None,
+    change: Callable[[Motion], Motion] | None = None,
 ) -> WrittenWalk:
     """Makes the motion of a walk and checks that very motion.
 
@@ -63,11 +65,14 @@ def write_walk(
         warp: which moment of the walk as captured is shown when; None: as its scales say.
         attack: what it has to be clear of, if anything.
         begin: what the feet are off now, from what was played before; default: nothing.
+        change: what is done to the motion before it is checked and written, if anything.
     """
     if warp is not None:
         beyond = float(warp.at(np.array([seconds]))[0] - natural_starts(graph, walk)[-1])
         walk = extend(graph, walk, float(walk.starts(graph)[-1]) + beyond)
     motion = walk_motion(graph, walk, seconds, warp, begin)
+    if change is not None:
+        motion = change(motion)
     trace = sphere_trajectory(graph, spheres, motion)
     exact = None if attack is None else clearance(attack, trace, spheres.radii)[1]
     return WrittenWalk(walk=walk, motion=motion, trace=trace, clearance=exact)

@@ -10,6 +10,7 @@ from jaxtyping import Int
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.choice.decision import Decision, best_of, better_of
+from mgjax.avoidance.choice.near_misses import refined_miss
 from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.choice.start import Query, ask
 from mgjax.avoidance.config import AvoidanceConfig
@@ -35,7 +36,8 @@ def choose(
     its arguments are described there. With an ``index`` candidates whose avoidance volume the
     attack touches are looked up (§5.1); where none of them is clear, the others that are in time
     follow. Where the index cannot say, all are enumerated. Where none within ``T_window`` is clear,
-    all within ``T_wide`` are tried.
+    the nearest misses are refined, if the settings say so; and where that does not help either, the
+    same goes for all within ``T_wide``.
 
     It judges captured motion, which the feet of a written one differ from by centimetres; with
     ``as_written``, the clearance of a choice as it would be written (m), a candidate has to be
@@ -45,9 +47,10 @@ def choose(
     query = ask(prepared, node, attack, config, as_written)
     if query is None:
         return _nothing(prepared, node, attack, config, seed)
-    decision = _decided(query)
+    decision = _refined(query, _decided(query))
     if not _avoids(decision) and can_widen(config):
-        wide = _decided(with_wide_window(query))
+        wider = with_wide_window(query)
+        wide = _refined(wider, _decided(wider))
         # Those of the narrow window are among them.
         decision = replace(wide, choice=better_of(decision, wide).choice)
     choice = decision.choice or _nothing(prepared, node, attack, config, seed)
@@ -76,6 +79,14 @@ def query_decided(query: Query) -> Query:
     if not can_widen(query.config) or _avoids(_decided(query)):
         return query
     return with_wide_window(query)
+
+
+def _refined(query: Query, decision: Decision) -> Decision:
+    """What was decided or, where that avoids nothing, a near miss that a change makes clear."""
+    if _avoids(decision) or query.config.refine == "off":
+        return decision
+    choice = refined_miss(query)
+    return decision if choice is None else replace(decision, choice=choice)
 
 
 def _avoids(decision: Decision) -> bool:

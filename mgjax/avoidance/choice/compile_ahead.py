@@ -28,6 +28,7 @@ from mgjax.avoidance.choice.search import bound, in_32_bits, search_one
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.avoidance.refinement.refine import compile_refining
 from mgjax.core.motion import Motion
 from mgjax.graph.feet.course import FeetState
 from mgjax.graph.feet.played import FEW_FRAMES, FRAMES, legs_of, play, with_feet
@@ -48,7 +49,8 @@ def warm_up(
 
     Args:
         graph: a motion graph with labelled avoidance parts.
-        config: settings; only the graph's tables, ``form``, ``d0`` and ``capacity`` matter.
+        config: settings; only the graph's tables, ``form``, ``d0``, ``capacity`` and
+            ``refine`` matter.
         horizon: attacks that are over by then, s from now, are answered without compiling; so
             are those of walks of up to 160 edges.
         spheres: the most spheres of an attack.
@@ -72,7 +74,7 @@ def programs(
     """A call for each program of :func:`warm_up`, which compiles it.
 
     Those that nearly every attack needs come first: of short walks, then the checks, then of long
-    walks.
+    walks, and refinement last.
     """
     config = config or AvoidanceConfig()
     prepared = prepared_for(graph, config)
@@ -96,7 +98,10 @@ def programs(
         for count in _sizes(CHECK_FRAMES, 4, frames)
         for slot in slots
     ]
-    return [*short, *checks, *_feet_programs(prepared.graph, frames), *long]
+    refined = [partial(compile_refining, prepared, slot) for slot in slots]
+    if config.refine == "off":
+        refined = []
+    return [*short, *checks, *_feet_programs(prepared.graph, frames), *long, *refined]
 
 
 def _feet_programs(graph: MotionGraph, frames: int) -> list[Callable[[], object]]:

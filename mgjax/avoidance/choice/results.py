@@ -7,6 +7,7 @@ from enum import StrEnum
 
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.energy.score import Energy
+from mgjax.avoidance.refinement.refinement import Refinement
 from mgjax.graph.walk import Walk
 
 
@@ -82,6 +83,8 @@ class Choice:
         clear_until: seconds until which the motion is clear where nothing clear could follow the
             path; None otherwise.
         crop: the part of the attack that counted for energies and timing, or None.
+        refinement: how the motion of the walk is changed to be clear, or None where it is played as
+            it is. Clearances are those of the changed motion, energies those of the walk.
     """
 
     status: Status
@@ -96,3 +99,4 @@ class Choice:
     clearance_m: float | None = None
     clear_until: float | None = None
     crop: Crop | None = None
+    refinement: Refinement | None = None

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Literal
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.checks.written import SphereTrajectory, WrittenWalk, write_walk
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.results import Choice, Status
-from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M, FAR
+from mgjax.avoidance.refinement.refine import change_written, refine_walks, retimed
 from mgjax.avoidance.timing.walk_warps import both_warps, linear_warp
 from mgjax.core.motion import Motion
 from mgjax.core.shown import Shown, made_of
 from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.feet.course import FeetState
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk
+from mgjax.graph.walk import Walk, extend
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -116,6 +118,7 @@ class Draft:
 
     form: Literal["smooth", "linear"]
     timing: TimeWarp
+    choice: Choice
     written: WrittenWalk
 
 
@@ -130,10 +133,23 @@ def draft_of(
     fastest = float(config.energy.E_fast) if config.limit_scale else math.inf
     linear, smooth = both_timings(prepared.graph, choice, fastest)
     if config.warp == "smooth" and choice.status == Status.AVOIDED and smooth is not linear:
-        draft = _draft(prepared, attack, choice, config, "smooth", smooth, begin)
-        if _clearance(draft) >= CLEAR_M:
-            return draft
+        fitted = _fitted(prepared, attack, choice, config, smooth)
+        if fitted is not None:
+            draft = _draft(prepared, attack, fitted, config, "smooth", smooth, begin)
+            if _clearance(draft) >= CLEAR_M:
+                return draft
     return _draft(prepared, attack, choice, config, "linear", linear, begin)
+
+
+def _fitted(
+    prepared: Prepared, attack: Attack, choice: Choice, config: AvoidanceConfig, timing: TimeWarp
+) -> Choice | None:
+    """A choice whose refinement, if it has one, suits another timing; None where none does."""
+    if choice.refinement is None:
+        return choice
+    config = for_body(config, prepared.graph.body_scale)
+    change = retimed(prepared, choice.walk, timing, choice.refinement, attack, config)
+    return None if change is None else replace(choice, refinement=change)
 
 
 def both_timings(
@@ -156,16 +172,21 @@ def _draft(
     timing: TimeWarp,
     begin: FeetState | None,
 ) -> Draft:
+    refinement, walk, seconds = choice.refinement, choice.walk, attack.end + config.settle_s
+    if refinement is not None:
+        seconds = max(seconds, refinement.stop)
+        walk = extend(prepared.graph, walk, seconds)
     written = write_walk(
         prepared.graph,
         prepared.tables.spheres,
-        choice.walk,
-        attack.end + config.settle_s,
+        walk,
+        seconds,
         timing if form == "smooth" else None,
         None if choice.part is None else attack,
         begin,
+        None if refinement is None else partial(change_written, prepared.graph, refinement),
     )
-    return Draft(form=form, timing=timing, written=written)
+    return Draft(form=form, timing=timing, choice=choice, written=written)
 
 
 def _clearance(draft: Draft) -> float:
@@ -174,6 +195,7 @@ def _clearance(draft: Draft) -> float:
 
 def _selection(prepared: Prepared, attack: Attack, choice: Choice, draft: Draft) -> Selection:
     written = draft.written
+    choice = replace(choice, refinement=draft.choice.refinement)
     if written.clearance is not None:
         clear = written.clearance >= CLEAR_M
         if clear and choice.status == Status.HIT:  # by kept feet alone
@@ -186,3 +208,48 @@ def _selection(prepared: Prepared, attack: Attack, choice: Choice, draft: Draft)
         **values, warp=draft.form, timing=draft.timing, motion=written.motion, trace=written.trace
     )
     return made_of(selection, prepared.graph, attack)
+
+
+def refine(
+    graph: MotionGraph | Prepared,
+    selection: Selection,
+    attack: Attack,
+    *,
+    config: AvoidanceConfig | None = None,
+) -> Selection:
+    """Changes the motion of an answer that is hit as little as it takes to be clear of the attack.
+
+    The root, the trunk, the neck, the arms and feet that stand on nothing are led aside by curves
+    that are smooth in time and vanish at both ends; legs follow, and planted feet stay where they
+    are. Joints stay within what the graph's clips show of them.
+
+    Args:
+        graph: as of :func:`select`.
+        selection: the answer.
+        attack: what it answers.
+        config: settings; of those of the refinement the caps.
+
+    Returns:
+        The answer with a changed motion, :attr:`~mgjax.avoidance.Choice.refinement` saying how; the
+        answer itself where it avoids the attack anyway, has no candidate, or cannot be made clear
+        within ``refine_max_m`` and ``refine_max_deg``.
+
+    Raises:
+        ConfigError: a setting out of range.
+    """
+    config = config or AvoidanceConfig()
+    prepared = prepared_for(graph, config)
+    if selection.status != Status.HIT or selection.part is None:
+        return selection
+    own = for_body(config, prepared.graph.body_scale)
+    (change,) = refine_walks(prepared, [selection.walk], attack, own)
+    if change is None:
+        return selection
+    refined = write(prepared, attack, replace(_choice_of(selection), refinement=change), config)
+    return refined if refined.status == Status.AVOIDED else selection
+
+
+def _choice_of(selection: Selection) -> Choice:
+    """The choice of a selection, as if it avoided."""
+    values = {field.name: getattr(selection, field.name) for field in fields(Choice)}
+    return Choice(**(values | {"status": Status.AVOIDED, "clear_until": None}))

@@ -70,7 +70,7 @@ def verify(query: Query, candidate: Bounded) -> Verdict:
     the path.
     """
     attack, posed = query.attack, query.prepared.posed
-    walk = _walk(query, candidate)
+    walk = walk_of(query, candidate)
     default = Continuation(walk=walk, clearance=candidate.clearance, clear_until=None)
     if candidate.lower_bound >= CLEAR_M:
         return Verdict(clear=True, played=default)
@@ -175,7 +175,7 @@ def bounded(
         yield Bounded(number, length, edges[lane], scales[lane], *figures[lane])
 
 
-def _walk(query: Query, candidate: Bounded) -> Walk:
+def walk_of(query: Query, candidate: Bounded) -> Walk:
     """A candidate with what follows it, cut or extended to end when it need no longer be clear."""
     graph, until = query.prepared.graph, query.until
     edges = candidate.edges[candidate.edges != NO_EDGE].astype(np.int64)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -101,7 +101,8 @@ def coverage(
         nodes: how many, drawn without repetition; all of them again where the graph has fewer.
         seed: draws the nodes and deals.
         speed: of the balls, m/s.
-        config: settings of the search.
+        config: settings of the search; near misses are not refined, as what counts is what the
+            graph holds.
         progress: shows a bar on stderr.
 
     Raises:
@@ -109,7 +110,7 @@ def coverage(
         GraphError: no part of the graph is labelled as an avoidance.
         AttackError: a ball would already be inside the body.
     """
-    config = config or AvoidanceConfig()
+    config = replace(config or AvoidanceConfig(), refine="off")
     validate_config(config)
     prepared = prepared_for(graph, config)
     graph = prepared.graph

@@ -12,9 +12,9 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.candidates.batch import EDGE_BUCKET, empty_candidate_batch
-from mgjax.avoidance.choice.choosing import can_widen, widened
+from mgjax.avoidance.choice.choosing import can_widen, choose, widened
 from mgjax.avoidance.choice.decision import decide
-from mgjax.avoidance.choice.results import Dropped, Status
+from mgjax.avoidance.choice.results import Choice, Dropped, Status
 from mgjax.avoidance.choice.search import (
     DEPTH,
     HOPELESS_M,
@@ -110,9 +110,27 @@ def select_batch(
         doubtful += _decide_by_bounds(group, result, answers, config)
     for asked, result in doubtful:  # last, since each waits for what is under way
         _look_closer(asked, result, answers)
-    if can_widen(config):
+    if config.refine != "off":
+        _choose_rest(prepared, places, attacks, answers, config)
+    elif can_widen(config):
         _try_wide(prepared, places, attacks, answers, config)
     return BatchSelection(**answers)
+
+
+def _choose_rest(
+    prepared: Prepared,
+    places: Int[np.ndarray, " B"],
+    attacks: Sequence[Attack],
+    answers: dict[str, np.ndarray],
+    config: AvoidanceConfig,
+) -> None:
+    """Answers what is not avoided one by one: near misses are refined, then the window widened."""
+    open_ = (answers["status"] != Status.AVOIDED.code) & np.isfinite(answers["t_attack"])
+    for number in np.flatnonzero(open_).tolist():
+        choice = choose(prepared, int(places[number]), attacks[number], config=config)
+        answers["candidates"][number] = choice.candidates
+        if choice.energy is not None:
+            _fill(answers, number, choice)
 
 
 def _try_wide(
@@ -237,6 +255,11 @@ def _look_closer(asked: Asked, result: SearchResult, answers: dict[str, np.ndarr
     dropped = Dropped(overflow=candidates.overflow)
     choice = decide(query, padded, result, len(candidates.length), dropped).choice
     assert choice is not None
+    _fill(answers, asked.number, choice)
+
+
+def _fill(answers: dict[str, np.ndarray], number: int, choice: Choice) -> None:
+    """The row of one attack."""
     assert choice.energy is not None
     values = {
         "status": choice.status.code,
@@ -247,4 +270,4 @@ def _look_closer(asked: Asked, result: SearchResult, answers: dict[str, np.ndarr
         "d": choice.energy.d,
     }
     for name, value in values.items():
-        answers[name][asked.number] = value
+        answers[name][number] = value

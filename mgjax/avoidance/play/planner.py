@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -17,10 +16,9 @@ from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.play.answers import Answer, Asked, Found, Thrown, answer_of
 from mgjax.avoidance.play.clocks import Clock, Searches, SimulatedClock, SimulatedSearches, Ticket
 from mgjax.avoidance.play.several_attacks import JointPath, find_path, played_clearance
-from mgjax.avoidance.play.timeline import Timeline
+from mgjax.avoidance.play.timeline import PlacedChange, Timeline
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
-from mgjax.core import planar
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.core.motion import Motion
 from mgjax.graph.feet.course import turned
@@ -228,12 +226,7 @@ class Planner:
             for other in self._under_way
             if other is not thrown and other.attack.end > line.end
         ]
-        begun = line.between(now, line.end)
-        rest = replace(
-            begun,
-            begins=begun.begins - line.end,
-            start=np.asarray(planar.compose(planar.inverse(place), begun.start)),
-        )
+        rest = line.between(now, line.end).seen_from(place, line.end)
         attack = in_frame(thrown.attack, place, line.end)
         feet = line.feet_at_end()
         thrown.asked = Asked(node=line.node, place=place, begins=line.end, attack=attack, feet=feet)
@@ -254,6 +247,14 @@ class Planner:
         if path.walk is not None and (path.status == Status.AVOIDED or not self._plan):
             walk = path.walk
             self._plan = deque(zip(walk.edges.tolist(), walk.scales.tolist(), strict=True))
+            asked = thrown.asked
+            assert asked is not None
+            change = None
+            if path.refinement is not None:
+                change = PlacedChange(
+                    refinement=path.refinement, begins=asked.begins, angle=float(asked.place[0])
+                )
+            self.timeline.change(change, asked.begins)
         if self._on_found is not None:
             assert thrown.asked is not None
             self._on_found(Found(number=thrown.number, path=path, asked=thrown.asked))

@@ -19,9 +19,11 @@ from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.energy.evaluate import judge
-from mgjax.avoidance.play.timeline import Piece, Timeline
+from mgjax.avoidance.play.timeline import Piece, PlacedChange, Timeline
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
+from mgjax.avoidance.refinement.refine import refined_clearance
+from mgjax.avoidance.refinement.refinement import Refinement
 from mgjax.core.errors import AttackError
 from mgjax.graph.feet.course import FeetState
 from mgjax.graph.types import MotionGraph
@@ -46,6 +48,13 @@ class JointPath:
     joint: bool
     choice: Choice | None = None
     seconds: float = 0.0
+
+    @property
+    def refinement(self) -> Refinement | None:
+        """How the walk is changed; None where it is not, or is another than the choice's."""
+        if self.choice is None or self.walk is not self.choice.walk:
+            return None
+        return self.choice.refinement
 
 
 def find_path(
@@ -93,11 +102,14 @@ def _find_path(
             choice.walk.edges.tolist(), choice.walk.scales.tolist(), strict=True
         ):
             line.append(edge, scale)
+        if choice.refinement is not None:
+            line.change(PlacedChange(refinement=choice.refinement, begins=0.0, angle=0.0), 0.0)
         piece = line.between(0.0, attack.end + 1 / EXPORT_RATE, feet=True)
         return played_clearance(prepared.graph, piece, attack, 0.0)
 
     begun = in_frame(attack, rest.start, rest.begins)
-    touched = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins) < CLEAR_M
+    near = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins)
+    touched = near < CLEAR_M and not rest.changes  # what is changed is clearer than its walk
     try:
         chosen = choose(prepared, node, attack, config=config, as_written=as_written)
     except AttackError:  # it is in the body where the path would begin
@@ -105,7 +117,13 @@ def _find_path(
     status = Status.HIT if touched else chosen.status
     if chosen.status == Status.NO_CANDIDATE:
         return JointPath(status=status, walk=None, joint=False, choice=chosen)
-    joint = _clear(prepared, chosen.walk, others)
+    if chosen.refinement is None:
+        joint = _clear(prepared, chosen.walk, others)
+    else:
+        joint = all(
+            refined_clearance(prepared.graph, chosen.walk, chosen.refinement, other) >= CLEAR_M
+            for other in others
+        )
     if chosen.status == Status.AVOIDED and not joint:
         walk = _clear_of_all(prepared, node, attack, others, config)
         if walk is not None:

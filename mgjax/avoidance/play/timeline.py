@@ -5,16 +5,18 @@ from __future__ import annotations
 import bisect
 import math
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax
 import numpy as np
 from jaxtyping import Float
 
 from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.avoidance.refinement.refine import refiner_of
+from mgjax.avoidance.refinement.refinement import Refinement, change_motion
 from mgjax.core import planar
 from mgjax.core.motion import Motion
-from mgjax.graph.feet.course import FeetState, at_rest
+from mgjax.graph.feet.course import FeetState, at_rest, turned
 from mgjax.graph.feet.played import at_times, legs_of, play, with_feet
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk, sample_walk
@@ -32,6 +34,31 @@ class PlayedFeet:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class PlacedChange:
+    """A refinement of what is played.
+
+    Attributes:
+        refinement: the change.
+        begins: the moment from which its times are counted, s.
+        angle: about the vertical, rad, from its frame to the world.
+    """
+
+    refinement: Refinement
+    begins: float
+    angle: float
+
+    @property
+    def start(self) -> float:
+        """When it begins to show, s."""
+        return self.begins + self.refinement.start
+
+    @property
+    def stop(self) -> float:
+        """When it no longer shows, s."""
+        return self.begins + self.refinement.stop
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Piece:
     """A stretch of the timeline.
 
@@ -40,23 +67,54 @@ class Piece:
         begins: when the first of them begins, s.
         start: planar frame of the body there, in the world. [3]
         feet: what the feet are off while it is played; None: the poses are as captured.
+        changes: refinements that show in it.
     """
 
     walk: Walk
     begins: float
     start: Float[np.ndarray, "3"]
     feet: PlayedFeet | None = None
+    changes: tuple[PlacedChange, ...] = ()
+
+    def seen_from(self, place: Float[np.ndarray, "3"], moment: float) -> Piece:
+        """The same in a planar frame of the world, its times counted from a moment."""
+        angle = -float(place[0])
+        feet = self.feet
+        if feet is not None:
+            feet = PlayedFeet(times=feet.times - moment, states=turned(feet.states, angle))
+        return replace(
+            self,
+            begins=self.begins - moment,
+            start=np.asarray(planar.compose(planar.inverse(place), self.start)),
+            feet=feet,
+            changes=tuple(
+                replace(c, begins=c.begins - moment, angle=c.angle + angle) for c in self.changes
+            ),
+        )
 
     def sample(self, graph: MotionGraph, times: Float[np.ndarray, " T"]) -> Motion:
-        """Poses in the world at ascending times, s on the planner's clock."""
+        """Poses at ascending times, s on the planner's clock."""
         motion = sample_walk(graph, self.walk, times - self.begins, start=self.start)
-        if self.feet is None:
-            return motion
-        return with_feet(graph, motion, at_times(self.feet.states, self.feet.times, times))
+        if self.feet is not None:
+            states = at_times(self.feet.states, self.feet.times, times)
+            motion = with_feet(graph, motion, states)
+        for change in self.changes:
+            own = change.refinement
+            motion = change_motion(
+                refiner_of(graph).rig,
+                motion,
+                times - change.begins,
+                own.values,
+                own.start,
+                angle=change.angle,
+            )
+        return motion
 
 
 class Timeline:
     """The edges that were played or are decided, in the world and on the planner's clock.
+
+    Beside them it has the refinements that were decided on, which show in all that is sampled.
 
     The last stretch of an edge, of one frame, leads to the first pose of the edge that follows (as
     in :func:`mgjax.graph.walk.sample_walk`). So the next edge has to be known at ``deadline``, one
@@ -87,6 +145,7 @@ class Timeline:
         self.edges: list[int] = []
         self.scales: list[float] = []
         self.starts = [begin]
+        self.changes: list[PlacedChange] = []
         inverse = np.asarray(planar.inverse(graph.node_plane[node].astype(np.float64)))
         self._places = [tuple(float(v) for v in planar.compose(self.start, inverse))]
         self._feet = [feet or at_rest()]
@@ -116,6 +175,12 @@ class Timeline:
         self._places.append((theta + turn, x * c + z * s + x0, z * c - x * s + z0))
         self.node = int(self.graph.edge_target[edge])
 
+    def change(self, change: PlacedChange | None, since: float) -> None:
+        """Shows a refinement, if any, instead of all those that begin to show at ``since`` s."""
+        self.changes = [c for c in self.changes if c.start < since]
+        if change is not None:
+            self.changes.append(change)
+
     def frame_at_end(self) -> Float[np.ndarray, "3"]:
         """Planar frame of the body, in the world, where the last edge arrives."""
         plane = self.graph.node_plane[self.node].astype(np.float64)
@@ -141,6 +206,7 @@ class Timeline:
             begins=self.starts[a],
             start=self._start_of(a),
             feet=self._played_feet(a, self._index(last)) if feet else None,
+            changes=tuple(c for c in self.changes if c.start < last and c.stop > first),
         )
 
     def sample(self, times: Float[np.ndarray, " T"]) -> Motion:
@@ -148,7 +214,8 @@ class Timeline:
         return self.between(float(times[0]), float(times[-1]), feet=True).sample(self.graph, times)
 
     def walk(self) -> Walk:
-        """The history as a walk; with ``start`` as its start it gives the poses that are shown."""
+        """The history as a walk; with ``start`` as its start it gives the poses that are shown,
+        but for refinements."""
         return make_walk(self.graph, self.edges, self.scales)
 
     def _start_of(self, index: int) -> Float[np.ndarray, "3"]:

@@ -14,7 +14,7 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.core.errors import ConfigError
 
-CONFIG = AvoidanceConfig(capacity=4096)
+CONFIG = AvoidanceConfig(capacity=4096, refine="off")
 NARROW = replace(CONFIG, T_wide=0.0)
 
 

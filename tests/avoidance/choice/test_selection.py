@@ -35,7 +35,7 @@ from mgjax.io.bvh.write import save_bvh
 from tests.avoidance.made import captured_motion, make_graph, throw
 from tests.reference import avoidance as reference
 
-QUICK = AvoidanceConfig(checks=12, T_wide=0.0, capacity=4096)
+QUICK = AvoidanceConfig(checks=12, T_wide=0.0, capacity=4096, refine="off")
 
 
 @pytest.fixture(scope="module")

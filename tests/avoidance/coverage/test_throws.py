@@ -82,7 +82,7 @@ def test_balls_are_dealt_evenly(small: Coverage) -> None:
 
 
 def test_answers_are_those_of_single_choices(made_graph: MotionGraph, small: Coverage) -> None:
-    config = AvoidanceConfig()
+    config = AvoidanceConfig(refine="off")
     for i in range(0, len(small), 3):
         ball = ball_from(
             float(small.directions[small.direction[i]]),

@@ -61,7 +61,7 @@ for seed in range(12):
     rng = np.random.default_rng(seed)
     node, attack = int(rng.integers(graph.num_nodes)), throw(rng)
     for weight in (0.0, 50.0):
-        config = AvoidanceConfig(energy=EnergyConfig(w_haste=weight), T_wide=0.0)
+        config = AvoidanceConfig(energy=EnergyConfig(w_haste=weight), T_wide=0.0, refine="off")
         choice = choose(graph, node, attack, config=config)
         if choice.energy is None:
             continue

@@ -31,7 +31,7 @@ def questions(graph: MotionGraph, count: int) -> tuple[np.ndarray, list[Attack]]
 
 
 def test_the_same_answers_as_one_by_one(any_graph: MotionGraph) -> None:
-    config = AvoidanceConfig()
+    config = AvoidanceConfig(refine="off")
     nodes, attacks = questions(any_graph, 36)
     got = select_batch(any_graph, nodes, attacks, config=config)
     seen = set()
@@ -67,7 +67,7 @@ def test_bad_questions(made_graph: MotionGraph) -> None:
 
 def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
     # Any node, ball and weights: one compiled call for all of one size.
-    config = AvoidanceConfig()
+    config = AvoidanceConfig(refine="off")
     prepared = prepared_for(made_graph, config)
     device = prepared.device
 
@@ -91,7 +91,7 @@ def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
 
 
 def test_natural_times(made_graph: MotionGraph) -> None:
-    config = AvoidanceConfig()
+    config = AvoidanceConfig(refine="off")
     tables = prepared_for(made_graph, config).tables
     found = enumerate_candidates(made_graph, tables, 3, 1.2, window=2.0, capacity=50)
     assert len(found.length)

@@ -32,7 +32,7 @@ from mgjax.graph.feet.played import play_at
 from mgjax.graph.types import NO_EDGE, MotionGraph
 from tests.avoidance.made import captured_motion, throw, with_knots
 
-QUICK = AvoidanceConfig(checks=12)
+QUICK = AvoidanceConfig(checks=12, refine="off")
 
 
 def world_throw(planner: Planner, rng: np.random.Generator, now: float, **more: float) -> Attack:

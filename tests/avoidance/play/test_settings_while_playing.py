@@ -16,7 +16,7 @@ from mgjax.avoidance.play.clocks import SimulatedClock, SimulatedSearches
 from mgjax.avoidance.play.planner import Planner
 from mgjax.core.errors import ConfigError
 
-QUICK = AvoidanceConfig(checks=12)
+QUICK = AvoidanceConfig(checks=12, refine="off")
 
 
 def planner_at(graph, begin: float = 0.0, **more) -> tuple[Planner, SimulatedClock]:

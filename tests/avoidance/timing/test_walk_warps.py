@@ -35,7 +35,7 @@ from mgjax.graph.walk import make_walk, sample_walk
 from tests.avoidance.made import make_graph, throw
 from tests.reference import warp as reference
 
-QUICK = AvoidanceConfig(checks=12)
+QUICK = AvoidanceConfig(checks=12, refine="off")
 
 
 def stretches(runs: list[tuple[float, float]]) -> TimeWarp:

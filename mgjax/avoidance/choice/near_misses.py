@@ -1,0 +1,76 @@
+"""Near misses: candidates touched a little, and what a small change makes of them."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Int
+
+from mgjax.avoidance.choice.results import Choice, Dropped, Status
+from mgjax.avoidance.choice.search import DEPTH, STATUS, search_candidates
+from mgjax.avoidance.choice.start import Query
+from mgjax.avoidance.choice.verify import Bounded, bounded, bounds_of, walk_of
+from mgjax.avoidance.energy.score import ROWS, Energy
+from mgjax.avoidance.rates import CLEAR_M
+from mgjax.avoidance.refinement.problems import LANES
+from mgjax.avoidance.refinement.refine import refine_walks
+from mgjax.avoidance.timing.time_scale import OK
+
+MOST = LANES
+"""Near misses that are tried at most."""
+NEAR = 1.2
+"""Candidates touched deeper than so many times the largest change are left alone."""
+
+
+def refined_miss(query: Query) -> Choice | None:
+    """The near miss that is clear after the least change, also as it is written; None where none is.
+
+    Those touched least come first, and of those that end with the same part only the first. All of
+    them are changed together. A walk whose continuation is touched counts as the whole does.
+    """
+    candidates = query.in_time
+    if not len(candidates.length):
+        return None
+    padded, result = search_candidates(query, candidates)
+    table = np.asarray(result.table)
+    numbers = _nearest(table, candidates.part, NEAR * query.config.refine_max_m)
+    for first in range(0, min(len(numbers), MOST), LANES):
+        some = numbers[first : first + LANES]
+        lanes: list[Bounded] = []
+        for rows, bounds in bounds_of(query, some, padded, np.asarray(result.scales)):
+            lanes += bounded(rows, bounds, padded)
+        walks = [walk_of(query, lane) for lane in lanes]
+        found = refine_walks(query.prepared, walks, query.attack, query.config)
+        changes = [(x.effort(query.config), k) for k, x in enumerate(found) if x is not None]
+        for _, k in sorted(changes):
+            number, change = lanes[k].number, found[k]
+            assert change is not None
+            values = dict(zip(ROWS, table[:STATUS, number].tolist(), strict=True))
+            choice = Choice(
+                status=Status.AVOIDED,
+                node=query.node,
+                walk=walks[k],
+                path_length=lanes[k].length,
+                part=int(candidates.part[number]),
+                time_scale=values.pop("s_time"),
+                candidates=len(candidates.length),
+                dropped=Dropped(),
+                energy=Energy(**values),
+                clearance_m=change.clearance_m,
+                crop=query.crop,
+                refinement=change,
+            )
+            if query.as_written is None or query.as_written(choice) >= CLEAR_M:
+                return choice
+    return None
+
+
+def _nearest(
+    table: np.ndarray, parts: Int[np.ndarray, " C"], deepest: float
+) -> Int[np.ndarray, " K"]:
+    """Candidates by how deep they are touched in the sampled volumes, one for each part."""
+    count = len(parts)
+    depth = table[DEPTH, :count]
+    order = np.argsort(-depth, kind="stable")
+    order = order[(table[STATUS, order] == OK) & (depth[order] >= -deepest)]
+    _, first = np.unique(parts[order], return_index=True)
+    return order[np.sort(first)]

@@ -1,0 +1,159 @@
+"""A change of a motion: how its channels go over time, and what that does to its joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.avoidance.refinement.pose import ankles_of, changed
+from mgjax.avoidance.refinement.rig import Rig
+from mgjax.core import planar, quaternion
+from mgjax.core.kinematics import forward
+from mgjax.core.motion import Motion
+from mgjax.core.shown import like
+
+FADE_S = 0.12
+"""Within this time of standing on it a foot is not yet free to be moved as much as it might be."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Refinement:
+    """How a motion was changed so that an attack misses it.
+
+    Attributes:
+        start: of the window in which it is changed, s from now.
+        values: channels of :class:`~mgjax.avoidance.refinement.rig.Rig` from then on, 120 times a
+            second, m and rad; the root and the feet are moved in the frame of the attack. Zero at
+            both ends. [W, C]
+        joints: names of the joints that it changes.
+        moved_m: how far each of them is moved at most, m.
+        turned_deg: how far each of them turns at most in its parent's frame, degrees.
+        clearance_before_m, clearance_m: signed distance of attack and body without it and with
+            it, m.
+        coefficients: of the splines that ``values`` come from, before planted feet are left where
+            they are; see :mod:`mgjax.avoidance.refinement.splines`. [K, C]
+    """
+
+    start: float
+    values: Float[np.ndarray, "W C"]
+    joints: tuple[str, ...]
+    moved_m: tuple[float, ...]
+    turned_deg: tuple[float, ...]
+    clearance_before_m: float
+    clearance_m: float
+    coefficients: Float[np.ndarray, "K C"]
+
+    @property
+    def stop(self) -> float:
+        """End of the window, s from now."""
+        return self.start + (len(self.values) - 1) / EXPORT_RATE
+
+    @property
+    def largest_m(self) -> float:
+        """How far any joint is moved at most, m."""
+        return max(self.moved_m, default=0.0)
+
+    @property
+    def largest_deg(self) -> float:
+        """How far any joint turns at most, degrees."""
+        return max(self.turned_deg, default=0.0)
+
+    def effort(self, config: AvoidanceConfig) -> float:
+        """The larger of move and turn, as shares of the caps; 0 … 1."""
+        tiny = 1e-9
+        return max(
+            self.largest_m / max(config.refine_max_m, tiny),
+            self.largest_deg / max(config.refine_max_deg, tiny),
+        )
+
+
+def channels_at(
+    values: Float[np.ndarray, "W C"], start: float, times: Float[np.ndarray, " T"]
+) -> Float[np.ndarray, "T C"]:
+    """Channels at any times; 0 outside of the window."""
+    position = (np.asarray(times, np.float64) - start) * EXPORT_RATE
+    last = len(values) - 1
+    within = np.clip(position, 0, last)
+    low = np.minimum(within.astype(np.int64), last - 1)
+    share = (within - low)[:, None]
+    mixed = values[low] * (1 - share) + values[low + 1] * share
+    return np.where(((position >= 0) & (position <= last))[:, None], mixed, 0.0)
+
+
+def change_motion(
+    rig: Rig,
+    motion: Motion,
+    times: Float[np.ndarray, " T"],
+    values: Float[np.ndarray, "W C"],
+    start: float,
+    *,
+    angle: float = 0.0,
+) -> Motion:
+    """A motion whose channels are changed; frames outside of the window stay as they are.
+
+    Args:
+        rig: the channels.
+        motion: a pose for each of the ``times``.
+        times: s from now.
+        values, start: of a :class:`Refinement`.
+        angle: about the vertical, rad, from the frame of the values to that of the motion.
+    """
+    inside = (times > start) & (times < start + (len(values) - 1) / EXPORT_RATE)
+    if not inside.any():
+        return motion
+    channels = channels_at(values, start, times[inside])
+    if angle:
+        turn = np.array([angle, 0.0, 0.0])
+        feet = 3 + 3 * len(rig.groups)
+        for first in (0, *range(feet, channels.shape[1], 3)):
+            place = slice(first, first + 3)
+            channels[:, place] = planar.apply(turn, channels[:, place])
+    root = np.array(motion.root_translation)
+    rotations = np.array(motion.local_rotations)
+    plain = replace(rig, skeleton=replace(rig.skeleton, offsets=np.asarray(rig.skeleton.offsets)))
+    before = root[inside].astype(np.float64), rotations[inside].astype(np.float64)
+    ankles, feet_turn = ankles_of(plain, *before)
+    moved, turned = changed(
+        replace(plain, shares=np.asarray(rig.shares)), *before, channels, ankles, feet_turn
+    )
+    root[inside], rotations[inside] = moved, turned
+    return like(replace(motion, root_translation=root, local_rotations=rotations), motion)
+
+
+def free_feet(
+    planted: Bool[np.ndarray, "T L"], times: Float[np.ndarray, " T"]
+) -> Float[np.ndarray, "T L"]:
+    """How far feet may be moved: 0 where they stand, and 1 from ``FADE_S`` before and after.
+
+    One frame to either side of a stance counts as standing, so that a foot is at rest also between
+    frames.
+    """
+    free = np.ones(planted.shape)
+    for foot in range(planted.shape[1]):
+        stands = times[planted[:, foot]]
+        if not len(stands):
+            continue
+        after = np.clip(np.searchsorted(stands, times), 0, len(stands) - 1)
+        before = np.maximum(after - 1, 0)
+        away = np.minimum(np.abs(times - stands[after]), np.abs(times - stands[before]))
+        share = np.clip((away - 1.01 / EXPORT_RATE) / FADE_S, 0.0, 1.0)
+        free[:, foot] = share * share * (3 - 2 * share)
+    return free
+
+
+def change_of_joints(
+    rig: Rig, before: Motion, after: Motion
+) -> tuple[Float[np.ndarray, " J"], Float[np.ndarray, " J"]]:
+    """How far each joint is moved, m, and turned in its parent's frame, degrees, at most."""
+    skeleton = replace(rig.skeleton, offsets=np.asarray(rig.skeleton.offsets))
+    old, new = (
+        forward(skeleton, np.asarray(m.root_translation), np.asarray(m.local_rotations))[0]
+        for m in (before, after)
+    )
+    moved = np.linalg.norm(np.asarray(new) - np.asarray(old), axis=-1)
+    turned = quaternion.angle_between(before.local_rotations, after.local_rotations)
+    return moved.max(axis=0), np.degrees(np.asarray(turned).max(axis=0))

@@ -1,0 +1,12 @@
+from __future__ import annotations
+
+import pytest
+
+from mgjax.graph.types import MotionGraph
+from tests.avoidance.refinement.made import still_graph
+
+
+@pytest.fixture(scope="session")
+def still() -> MotionGraph:
+    """A body that stands still."""
+    return still_graph()
