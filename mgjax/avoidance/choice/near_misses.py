@@ -22,7 +22,7 @@ NEAR = 1.2
 
 
 def refined_miss(query: Query) -> Choice | None:
-    """The near miss that is clear after the least change, also as it is written; None where none is.
+    """The near miss that is clear after the least change, and as it is written; None where none is.
 
     Those touched least come first, and of those that end with the same part only the first. All of
     them are changed together. A walk whose continuation is touched counts as the whole does.
