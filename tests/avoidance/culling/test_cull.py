@@ -30,7 +30,8 @@ from tests.avoidance.culling.made import (
 )
 from tests.avoidance.made import throw
 
-CONFIG = AvoidanceConfig(T_wide=0.0)  # one window, whose candidates are counted
+CONFIG = AvoidanceConfig(T_wide=0.0, capacity=4096)
+"""One window, whose candidates are counted."""
 
 
 @pytest.mark.parametrize("form", ["paper", "binned"])
@@ -47,7 +48,7 @@ def test_what_is_culled_is_left_out(made_graph: MotionGraph, form: str) -> None:
         crop = crop_attack(attack, radius=1.0, height=2.3)
         assert crop is not None
         every = enumerate_candidates(
-            made_graph, tables, node, crop.middle, window=1.0, capacity=4096
+            made_graph, tables, node, crop.middle, window=1.0, capacity=CONFIG.capacity
         )
         kept, culled = without_culled(slices, device, every, attack, crop, config, frame_rate=rate)
         assert len(kept.length) + culled == len(every.length)
@@ -61,7 +62,7 @@ def test_what_is_culled_is_left_out(made_graph: MotionGraph, form: str) -> None:
         np.testing.assert_allclose(scales, judged["scales"][:, : scales.shape[1]], atol=1e-6)
         assert culled <= (status == OK).sum()
         choice = choose(made_graph, node, attack, config=config)
-        assert choice.candidates == len(every.length)
+        assert choice.candidates == len(every.length) + every.overflow
         assert choice.dropped.culled == culled
     assert culled_at_all > 0
 
