@@ -57,6 +57,8 @@ class Config:
     """Shares of frames in which the same feet must stand in both windows, for that table."""
     most: int = 1500
     """Seams that are measured for one row of that table, drawn at random."""
+    seams: int = 0
+    """Seams that are measured for one blend, drawn at random; 0: all."""
     strips: int = 10
     """Seams that are drawn: those that skate most under the paper's blend."""
 
@@ -68,7 +70,8 @@ class Config:
             "clean_feet": (False,),
             "thresholds_m": (),
             "contacts": (0.7,),
-            "most": 200,
+            "most": 40,
+            "seams": 40,
             "strips": 2,
         }
 
@@ -89,7 +92,7 @@ def run(config: Config) -> Results:
         for name in config.blends:
             graph = built(blend=name, clean_feet=clean)
             known = known or captured_of(graph)
-            row, values, uncut = _row(graph, known, uncut)
+            row, values, uncut = _row(graph, known, uncut, config.seams or None)
             rows.append({"name": f"{name}, feet cleaned" if clean else name} | row)
             kept.setdefault(name, (graph, values))
     table = []
