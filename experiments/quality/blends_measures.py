@@ -12,7 +12,7 @@ from scipy.stats import rankdata
 from mgjax.core import planar
 from mgjax.core.body.capsules import pair_distances
 from mgjax.core.contacts import foot_joints
-from mgjax.graph.feet import foot_chains
+from mgjax.graph.feet.legs import foot_chains
 from mgjax.graph.types import NO_CLIP, MotionGraph
 from mgjax.quality.subject import subject_of
 
