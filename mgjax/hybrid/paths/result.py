@@ -207,7 +207,8 @@ def track_of(graph: MotionGraph, motion: Motion, blend: Float[np.ndarray, " F"])
     """The track of a motion itself, as in its file.
 
     The search lets an edge end with its own last pose; in the motion the first pose of what follows
-    stands there, which is up to a few millimetres off where a transition begins.
+    stands there, which is up to a few millimetres off where a transition begins. The root also
+    follows the feet that are kept (:mod:`mgjax.graph.feet`), by centimetres.
     """
     positions = np.asarray(global_positions(graph.skeleton, motion), dtype=np.float64)
     body = np.asarray(planar_frames(graph.skeleton, positions))

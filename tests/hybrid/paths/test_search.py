@@ -14,7 +14,9 @@ from mgjax.core.errors import ConfigError, GraphError, PathError
 from mgjax.core.kinematics import global_positions, planar_frames
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
+from mgjax.graph.feet.course import MOST_LEAD_M
 from mgjax.graph.types import MotionGraph
+from mgjax.graph.walk import sample_walk
 from mgjax.hybrid import follow, make_sketch
 from mgjax.hybrid.config import PathConfig
 from mgjax.hybrid.macro.macro_edges import MacroEdges, build_macro_edges
@@ -24,7 +26,7 @@ from mgjax.hybrid.paths.branch_and_bound import branch_and_bound
 from mgjax.hybrid.paths.curve import make_curve
 from mgjax.hybrid.paths.frontier import Frontier, Search
 from mgjax.hybrid.paths.kernel import Request, extension_costs, lower_bounds, make_request
-from mgjax.hybrid.paths.result import place_pieces
+from mgjax.hybrid.paths.result import place_pieces, track_of
 from mgjax.hybrid.paths.sketch import Sketch
 from tests.hybrid.paths.made import walking
 from tests.reference import path as reference
@@ -277,7 +279,15 @@ def test_follows(graph: MotionGraph, method: str) -> None:
     expected, count, complete = reference.walk_cost(
         graph, result.walk.edges.tolist(), BENT.points, result.start, 10**6, 0.0, math.inf
     )
-    assert result.error == pytest.approx(expected, rel=0.03)  # seams are a few mm off
+    times = np.arange(result.frames + 1) / graph.frame_rate
+    captured = sample_walk(graph, result.walk, times, start=result.start)
+    track = track_of(graph, captured, result.track.blend)
+    error = track.squares(make_curve(BENT)).sum()
+    assert error == pytest.approx(expected, rel=0.03)  # seams are a few mm off
+    # In the motion itself the root also follows the feet that are kept.
+    led = np.linalg.norm(result.track.places - track.places, axis=1)
+    assert led.max() < 1.2 * graph.body_scale * MOST_LEAD_M
+    assert result.error == pytest.approx(result.track.squares(make_curve(BENT)).sum())
     assert (count, complete) == (result.frames, True)
     assert 0 <= result.slide < 0.02
     if method == "exact":
