@@ -96,6 +96,7 @@ def test_a_transition_is_played_between_its_clips(graph, transitions):
         assert seam.distance == pytest.approx(float(graph.edge_distance[edge]))
 
 
+@pytest.mark.long
 def test_slides_are_on_the_average_what_the_build_reports(graph, transitions):
     slides = np.array([seam_of(graph, int(edge)).slide for edge in transitions])
     assert slides[:, 0].mean() == pytest.approx(graph.report["foot_slide_before"], rel=1e-3)
