@@ -120,7 +120,7 @@ def moving(start: np.ndarray, stop: np.ndarray, begin: float, end: float) -> Att
 
 
 def run(config: Config) -> Results:
-    graph, settings = graph_of(config.graph), AvoidanceConfig()
+    graph, settings = graph_of(config.graph), AvoidanceConfig(refine="off")
     rng = np.random.default_rng(config.seed)
     found: Counter[tuple[str, str]] = Counter()
     touched, raised, seconds = 0, [], []

@@ -95,8 +95,8 @@ def sweep_energies(
         node: where the character stands.
         attack: in the planar frame of the body at the node.
         energies: the settings, all with the same ``form`` and ``d0``.
-        config: all other settings; its ``energy`` is not used, and no wider window than
-            ``T_window`` is tried.
+        config: all other settings; its ``energy`` is not used, no wider window than
+            ``T_window`` is tried, and near misses are not refined.
 
     Raises:
         AttackError: the attack is not finite, or begins inside the body.

@@ -23,9 +23,9 @@ from dataclasses import dataclass, replace
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
-from mgjax.avoidance.rates import FAR
+from mgjax.avoidance.refinement.nearest import is_least, nearest_intervals, swept
 from mgjax.avoidance.refinement.rig import Rig
 from mgjax.avoidance.refinement.slopes import Base, Changed, changed_with_slopes
 from mgjax.core.arrays import Array
@@ -36,8 +36,6 @@ PENALTY = 2e4
 """ρ: a sphere 1 cm too near costs as much as a change of 1 unit of two channels."""
 MOST_PUSH = 400.0
 """Largest multiplier: where caps and margin cannot both be kept, caps are."""
-CHUNK = 32
-"""In so many intervals each sphere counts once, where it is nearest."""
 INSIDE = 0.9
 """Share of the caps at which soft bounds begin."""
 DAMPING = 0.03
@@ -109,50 +107,6 @@ class Step:
     cost: Float[Array, "*b"]
 
 
-def swept(
-    problem: Problem, spheres: Float[Array, "T S 3"], radii: Float[Array, " S"]
-) -> tuple[Float[Array, "V S"], Float[Array, "V S 3"], Float[Array, "V S"]]:
-    """Clearance of each sphere in each interval, m; the way to it at the closest; and when.
-
-    Both move straight from moment to moment. The way is the unit vector from the attack to the
-    sphere, and the time is the share of the interval.
-    """
-    gaps = spheres[:, None] - problem.attack[:, :, None]  # [T, I, S, 3]
-    begin, move = gaps[:-1], gaps[1:] - gaps[:-1]
-    along = jnp.maximum(jnp.sum(move * move, axis=-1), 1e-12)
-    share = jnp.clip(-jnp.sum(begin * move, axis=-1) / along, 0.0, 1.0)
-    near = begin + share[..., None] * move
-    distance = jnp.sqrt(jnp.sum(near * near, axis=-1) + 1e-12)
-    gap = (
-        distance
-        - problem.radii[None, :, None]
-        - radii[None, None]
-        + FAR * problem.absent[..., None]
-    )
-    nearest = jnp.argmin(gap, axis=1)[:, None]
-
-    def pick(values: Array) -> Array:
-        index = nearest if values.ndim == 3 else nearest[..., None]
-        return jnp.take_along_axis(values, index, axis=1)[:, 0]
-
-    return pick(gap), pick(near / distance[..., None]), pick(share)
-
-
-def nearest_intervals(gap: Float[Array, "V S"]) -> Int[Array, "H S"]:
-    """In which interval of each chunk each sphere is nearest, of those nearer than their
-    neighbours; where there is none, the first that is farthest from being one."""
-    far = jnp.full((1, gap.shape[1]), jnp.inf, dtype=gap.dtype)
-    before, after = jnp.concatenate([far, gap[:-1]]), jnp.concatenate([gap[1:], far])
-    least = jnp.where((gap <= before) & (gap < after), gap, gap + 2 * FAR)
-    chunks = -(-len(gap) // CHUNK)
-    padded = jnp.concatenate(
-        [least, jnp.broadcast_to(far, (chunks * CHUNK - len(gap), gap.shape[1]))]
-    )
-    first = jnp.arange(chunks, dtype=jnp.int32)[:, None] * CHUNK
-    inner = jnp.argmin(padded.reshape(chunks, CHUNK, -1), axis=1).astype(jnp.int32)
-    return jnp.minimum(first + inner, len(gap) - 1)
-
-
 def solve(rig: Rig, problem: Problem) -> Solution:
     """Least change of one motion; see the module."""
     base = problem.base
@@ -170,7 +124,8 @@ def solve(rig: Rig, problem: Problem) -> Solution:
     def pose(x: Array) -> Changed:
         return changed_with_slopes(rig, base, bases @ x * unit[None])
 
-    start = swept(problem, spheres_of(base.places), rig.radii)[0]
+    passing = problem.attack, problem.radii, problem.absent
+    start = swept(*passing, spheres_of(base.places), rig.radii)[0]
     before = jnp.min(start)
     needed = problem.margin - before
     begins = jnp.minimum(INSIDE * problem.max_m, 1.15 * needed)
@@ -179,10 +134,10 @@ def solve(rig: Rig, problem: Problem) -> Solution:
     def step(state: tuple[Array, Array], _: None) -> tuple[tuple[Array, Array], Step]:
         x, multipliers = state
         now = pose(x)
-        gap, way, share = swept(problem, spheres_of(now.places), rig.radii)
+        gap, way, share = swept(*passing, spheres_of(now.places), rig.radii)
         at = nearest_intervals(gap)
         own = jnp.arange(gap.shape[1], dtype=jnp.int32)[None]
-        local = _is_least(gap, at)
+        local = is_least(gap, at)
         least = jnp.min(gap)
         gap, way, share = gap[at, own], way[at, own], share[at, own, None]
         slopes = spheres_of(now.to_places) * unit[None, None, None]
@@ -225,16 +180,6 @@ def solve(rig: Rig, problem: Problem) -> Solution:
     return Solution(
         coefficients=steps.coefficients[best], clearance=steps.clearance[best], before=before
     )
-
-
-def _is_least(gap: Float[Array, "V S"], at: Int[Array, "H S"]) -> Array:
-    """Whether the intervals picked are nearer than their neighbours."""
-    own = jnp.arange(gap.shape[1], dtype=jnp.int32)[None]
-    last = len(gap) - 1
-    here = gap[at, own]
-    before = jnp.where(at > 0, gap[jnp.maximum(at - 1, 0), own], jnp.inf)
-    after = jnp.where(at < last, gap[jnp.minimum(at + 1, last), own], jnp.inf)
-    return (here <= before) & (here < after)
 
 
 def _soft(

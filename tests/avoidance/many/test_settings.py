@@ -173,7 +173,7 @@ def test_each_answer_is_that_of_a_search(any_graph: MotionGraph) -> None:
         kind = "clamped" if number % 2 else "paper"
         grid = [replace(energy, d0=kind) for energy in GRID]
         config = AvoidanceConfig(
-            limit_scale=number % 5 > 0, checks=8 if number % 3 else 64, T_wide=0.0
+            limit_scale=number % 5 > 0, checks=8 if number % 3 else 64, T_wide=0.0, refine="off"
         )
         got = sweep_energies(any_graph, node, attack, grid, config=config)
         for g, energy in enumerate(grid):
@@ -231,7 +231,7 @@ def test_nothing_to_choose_from(made_graph: MotionGraph) -> None:
     assert got.status.tolist() == [Status.NO_CANDIDATE.code] * len(GRID)
     assert (got.crop, got.candidates) == (None, None)
     assert np.isnan(got.total).all()
-    narrow = AvoidanceConfig(T_window=1e-3, T_wide=0.0)
+    narrow = AvoidanceConfig(T_window=1e-3, T_wide=0.0, refine="off")
     prepared = prepared_for(made_graph, narrow)
     queries = ((node, ask(prepared, node, ball, narrow)) for node in range(made_graph.num_nodes))
     node = next(node for node, query in queries if query and not len(query.in_time.length))
