@@ -20,7 +20,7 @@ else:
         __name__,
         {
             "build_graph": "mgjax.graph.build",
-            "distance_matrix": "mgjax.graph.distance",
+            "distance_matrix": "mgjax.graph.distances.distance",
             "GraphConfig": "mgjax.graph.config",
             "load_graph": "mgjax.graph.files",
             "MotionGraph": "mgjax.graph.types",

@@ -44,7 +44,12 @@ def thrown(graph):
     rng = np.random.default_rng(5)
     nodes = rng.integers(graph.num_nodes, size=BALLS).tolist()
     balls = [
-        ball_from(rng.uniform(0, 2 * np.pi), HEIGHTS_M[k % len(HEIGHTS_M)]) for k in range(BALLS)
+        ball_from(
+            rng.uniform(0, 2 * np.pi),
+            HEIGHTS_M[k % len(HEIGHTS_M)],
+            arrives=1.2 if k % 4 else 0.4,  # some are there too soon
+        )
+        for k in range(BALLS)
     ]
     return nodes, balls
 

@@ -31,7 +31,7 @@ def test_avoidable_cells_by_hand() -> None:
 
 def test_parts_are_those_that_could_avoid(made_graph: MotionGraph, small: Coverage) -> None:
     """A part that alone avoids a ball is counted for it."""
-    config = AvoidanceConfig(refine="off")
+    config = AvoidanceConfig(T_wide=0.0, refine="off")
     few = with_parts(made_graph, np.arange(3))
     balls = np.arange(2, len(small), 5)
     answers = answers_to(prepared_for(few, config), small, balls, config)

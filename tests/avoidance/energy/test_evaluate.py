@@ -11,7 +11,7 @@ from mgjax.avoidance.attacks.batch import MOMENTS, evaluated, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop, crop_attack
 from mgjax.avoidance.body.edge_tables import speed_classes
 from mgjax.avoidance.body.spheres import sphere_centres
-from mgjax.avoidance.candidates.batch import pad_candidates
+from mgjax.avoidance.candidates.batch import CANDIDATE_BUCKETS, pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
 from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
@@ -276,7 +276,7 @@ def test_attacks_do_not_compile_anew(made_graph: MotionGraph) -> None:
         judged(made_graph, candidates, attack, crop, config)
         assert compiled._cache_size() == before or shape not in shapes
         shapes.add(shape)
-    assert len(shapes) <= 3
+    assert len(shapes) <= len(CANDIDATE_BUCKETS)
     # Other numbers in the settings are traced, too.
     other = replace(config, energy=EnergyConfig(E_avoidance=0.7, D_body=0.1, w_b=3.0))
     before = compiled._cache_size()

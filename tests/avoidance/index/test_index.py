@@ -271,7 +271,7 @@ def test_the_choice_is_as_good_with_the_index(
     for node in rng.integers(made_graph.num_nodes, size=24):
         height, side = rng.uniform(0.5, 1.7), rng.uniform(0, 2 * np.pi)
         attack = ball_from(side, height, distance=3.0, arrives=SHORT_S - 0.6)
-        config = AvoidanceConfig(checks=8, T_wide=0.0)
+        config = AvoidanceConfig(checks=8, T_wide=0.0, refine="off")
         with monkeypatch.context() as plainly:
             plainly.setattr(start, "enumerate_candidates", enumerate_candidates)
             plain = choice.choose(made_graph, int(node), attack, config=config)

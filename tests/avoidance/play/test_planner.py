@@ -298,7 +298,7 @@ def test_hits_are_reported_exactly(played: tuple) -> None:
 
 
 def test_hits_and_misses_both_occur(made_graph: MotionGraph) -> None:
-    planner, attacks = run(made_graph, latency=0.02, seconds=20.0, seed=3, every=1.0)
+    planner, attacks = run(made_graph, latency=0.02, seconds=20.0, seed=3, every=0.6)
     hits = check_independently(planner, attacks)
     assert 0 < hits < len(attacks)
     promised = [a for a in planner.answers if a.search == "avoided"]

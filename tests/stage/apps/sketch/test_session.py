@@ -160,9 +160,9 @@ def test_while_it_is_dragged_no_way_is_added_to_a_target_out_of_reach(tab: Tab) 
 def test_a_target_waits_for_its_time_and_is_held(tab: Tab) -> None:
     tab.send("ready_made", name="line")
     item = only(tab.send("add", kind="right_hand", place=[-0.3, 0, 3]))["id"]
-    note = tab.send("set", id=item, hold=1.0, done=True)
-    assert only(note)["hold"] == 1.0
-    assert "held 1.0" in only(note)["words"]
+    note = tab.send("set", id=item, hold=0.6, done=True)
+    assert only(note)["hold"] == 0.6
+    assert "held 0.6" in only(note)["words"]
     note = tab.send("set", id=item, when="at", seconds=2.5, done=True)
     assert only(note)["when"] == 2.5
     assert tab.send("set", id=item, when="end", done=True)["items"][0]["when"] == "end"
