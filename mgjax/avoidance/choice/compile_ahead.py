@@ -116,7 +116,7 @@ def _feet_programs(graph: MotionGraph, frames: int) -> list[Callable[[], object]
 def _keep_feet(graph: MotionGraph, count: int) -> tuple[Motion, FeetState]:
     """A body that stands still for so many frames."""
     walk = Walk(edges=np.zeros(1, np.int64), scales=np.ones(1))
-    return play(graph, walk, np.zeros(count), rate=EXPORT_RATE)
+    return play(graph, walk, np.linspace(0.0, 1e-3, count), rate=EXPORT_RATE)
 
 
 def _put_feet(graph: MotionGraph, count: int) -> Motion:
