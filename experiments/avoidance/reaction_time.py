@@ -130,12 +130,17 @@ def figure(rows: list[dict[str, Any]]) -> Figure:
         axes.fill_between(x, low, high, color=f"C{number}", alpha=0.15, linewidth=0)
         for key, style in (("avoided", "o-"), ("recovered", "s--")):
             if key in own[0]:
-                y = [100 * row[key] for row in own]
+                y = [np.nan if row[key] is None else 100 * row[key] for row in own]
                 axes.plot(x, y, style, color=f"C{number}", label=key + limit)
     axes.set(xlabel="reaction time, s", ylabel="standard balls, %", ylim=(0, 100))
     axes.grid(alpha=0.3)
     axes.legend(frameon=False, fontsize=8)
     return drawn
+
+
+def _share(value: float | None) -> str:
+    """In percent; of nothing there is none."""
+    return "none" if value is None else f"{value:.0%}"
 
 
 def _line(row: dict[str, Any]) -> str:
@@ -144,11 +149,13 @@ def _line(row: dict[str, Any]) -> str:
     text = f"{row['arrives']:g} s{limit}: {row['avoided']:.0%} avoided ({low:.0%} … {high:.0%})"
     if "recovered" in row:
         text += (
-            f", {row['recovered']:.0%} recovered; of those avoided {row['at_a_node']:.0%} at a node"
-            f" within 1 s, without fault {row['without_fault']:.0%}"
-            f" (uncut capture {row['uncut_without_fault']:.0%}): G1 {row['feet']:.0%}"
-            f" ({row['uncut_feet']:.0%}), G2 {row['smooth']:.0%} ({row['uncut_smooth']:.0%}),"
-            f" G3 {row['solid']:.0%} ({row['uncut_solid']:.0%})"
+            f", {_share(row['recovered'])} recovered; of those avoided"
+            f" {_share(row['at_a_node'])} at a node"
+            f" within 1 s, without fault {_share(row['without_fault'])}"
+            f" (uncut capture {_share(row['uncut_without_fault'])}): G1 {_share(row['feet'])}"
+            f" ({_share(row['uncut_feet'])}),"
+            f" G2 {_share(row['smooth'])} ({_share(row['uncut_smooth'])}),"
+            f" G3 {_share(row['solid'])} ({_share(row['uncut_solid'])})"
         )
     return text
 
