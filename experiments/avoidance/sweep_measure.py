@@ -93,7 +93,8 @@ def measure(
 
 def _answer(swept: Swept, setting: int) -> Answer:
     part = swept.part(setting)
-    candidates = 0 if swept.candidates is None else len(swept.candidates.length)
+    found = swept.candidates
+    candidates = 0 if found is None else len(found.length) + found.overflow
     outcome = tuple(Status)[swept.status[setting]]
     if outcome == "no_candidate":
         outcome = "not_near" if swept.crop is None else outcome
