@@ -34,6 +34,7 @@ from mgjax.graph.prune import (
     largest_component,
     smallest_useful_threshold,
 )
+from mgjax.graph.thin import best_per_second
 from mgjax.graph.timeline import ClipTimeline, make_timeline
 from mgjax.graph.transition import build_transitions
 from mgjax.graph.types import MotionGraph
@@ -147,7 +148,24 @@ def build_graph(
         largest = minima.largest / scale
         threshold = _threshold(candidates, largest, config)
         count = int(np.searchsorted(candidates.distances, threshold, side="left"))
-        component = largest_component(candidates, count)
+        stays = best_per_second(
+            candidates,
+            count,
+            window,
+            most=config.best_per_s,
+            second=max(round(config.frame_rate), 1),
+        )
+        everything = len(candidates.leave)
+        whole = largest_component(candidates, count)
+        candidates, rows, columns = candidates.subset(stays), rows[stays], columns[stays]
+        dropped = count - len(rows)
+        component = largest_component(candidates, len(rows)) if dropped else whole
+        lost = int(whole.labels.sum() - component.labels.sum())
+        if lost > 0:
+            notes.append(
+                f"keeping {config.best_per_s} transitions out of each second of motion lost {lost}"
+                " labels; a larger best_per_s keeps more"
+            )
         if not component.frames:
             beyond = _candidates(timeline, search(float("inf")), allowed, window, config)[0]
             raise _nothing_left(beyond, threshold, largest, config)
@@ -180,7 +198,8 @@ def build_graph(
         "blend": config.blend,
         "clean_feet": config.clean_feet and chains is not None,
         "minima": len(minima.rows),
-        "candidates": len(candidates.leave),
+        "candidates": everything,
+        "dropped_by_best_per_s": dropped,
         "labels_total": sum(len(items) for items in by_clip.values()) * (2 if config.mirror else 1),
         "notes": notes,
         "retargeted": [asdict(c.retargeted) for c in timeline.clips if c.retargeted],

@@ -49,6 +49,9 @@ class GraphConfig:
             ``"all"``, as the paper has it.
         range_frames: adds the lowest pair of each block of so many by so many windows below the
             threshold to the minima; 0: none. Many more transitions, for somewhat better timing.
+        best_per_s: so many of the transitions that leave one second of motion stay, the nearest to
+            each place that they lead to first (:mod:`mgjax.graph.thin`); 0: all. With it a graph
+            grows with the length of its clips, without with its square.
         label_quiet: blends may overlap the ends of a label at which every joint is slower than this
             share of the label's own peak speed; 0: not at all.
         label_overlap: blends may overlap this share of a label's length at either end anyway: the
@@ -73,6 +76,7 @@ class GraphConfig:
     horizon_s: float = 2.0
     minima: Literal["allowed", "all"] = "allowed"
     range_frames: int = 0
+    best_per_s: int = 100
     label_quiet: float = 0.2
     label_overlap: float = 0.33
 
@@ -88,6 +92,7 @@ _RANGES: Ranges = {
     "max_threshold_m": (1e-9, 10.0),
     "contacts": (0.0, 1.0),
     "range_frames": (0, 1024),
+    "best_per_s": (0, 1_000_000),
     "label_quiet": (0.0, 1.0),
     "label_overlap": (0.0, 0.49),
     "horizon_s": (1e-6, math.inf),

@@ -6,7 +6,7 @@ and the automatic threshold asks for a few hundred of them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -38,6 +38,15 @@ class Candidates:
     stops: Int[np.ndarray, " K"]
     label_starts: Int[np.ndarray, " P"]
     label_stops: Int[np.ndarray, " P"]
+
+    def subset(self, stays: Bool[np.ndarray, " M"]) -> Candidates:
+        """Some of them."""
+        return replace(
+            self,
+            leave=self.leave[stays],
+            arrive=self.arrive[stays],
+            distances=self.distances[stays],
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
