@@ -24,7 +24,7 @@ from mgjax.core import planar
 from mgjax.core.errors import ConfigError
 from mgjax.core.motion import Motion
 from mgjax.graph.build import build_graph
-from mgjax.graph.config import GraphConfig
+from mgjax.graph.config import EMBEDDED
 from mgjax.graph.feet.course import turned
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk
@@ -38,10 +38,6 @@ from mgjax.stage.show.throws import Thrown, throws_show, world_balls
 HEIGHTS_M = (1.45, 0.5, 1.1, 1.55, 0.8)
 """Heights at which the balls pass, in turn: head, knees, belly."""
 
-THRESHOLD_M = 0.05
-"""Largest distance of a transition. The automatic threshold keeps every label of these clips with
-a handful of transitions, and then an avoidance part is hardly ever near."""
-
 
 def run(command: Demo) -> None:
     """Throws balls one after another; each is known when the motion before it is over."""
@@ -51,7 +47,7 @@ def run(command: Demo) -> None:
         raise ConfigError(f"got seed {command.seed}, expected 0 or more")
     with output_folder(command.out) as folder:
         clips, labels = synthetic_clips(seed=command.seed)
-        graph = build_graph(clips, labels=labels, config=GraphConfig(threshold_m=THRESHOLD_M))
+        graph = build_graph(clips, labels=labels, config=EMBEDDED)
         throws, motion, walk = throw_balls(graph, command.balls, command.seed)
         starts = walk.starts(graph)
         save_bvh(folder / "motion.bvh", graph.skeleton, motion)

@@ -81,6 +81,11 @@ class GraphConfig:
     label_overlap: float = 0.33
 
 
+EMBEDDED = GraphConfig(threshold_m=0.05, best_per_s=200)
+"""For the embedded clips. The automatic threshold keeps each of their labels with a handful of
+transitions, and then an avoidance part is hardly ever near; and they stand still for long, where
+one transition is as good as another."""
+
 _RANGES: Ranges = {
     "frame_rate": (1.0, 1000.0),
     "window_s": (1e-6, 10.0),

@@ -12,7 +12,7 @@ from mgjax.avoidance.prepared import Prepared, prepare
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.core.errors import GraphError
 from mgjax.graph.build import build_graph
-from mgjax.graph.config import GraphConfig
+from mgjax.graph.config import EMBEDDED
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import MotionGraph
 from mgjax.stage.apps.throw.session import ThrowSession
@@ -22,8 +22,6 @@ from mgjax.stage.serve.options import Options
 from mgjax.stage.serve.session import Progress, Send
 from mgjax.stage.show.body import body_of
 
-THRESHOLD_M = 0.05
-"""Largest distance of a transition of the embedded clips, as in ``mgjax demo``."""
 _SOON = 0.6
 """Share of the programs that are compiled before the page is ready; the others follow at once."""
 
@@ -78,7 +76,7 @@ class ThrowApp:
     def _graph(self) -> MotionGraph:
         if self._options.graph is None:
             clips, labels = synthetic_clips()
-            return build_graph(clips, labels=labels, config=GraphConfig(threshold_m=THRESHOLD_M))
+            return build_graph(clips, labels=labels, config=EMBEDDED)
         graph = load_graph(self._options.graph)
         if not len(graph.label_kind):
             raise GraphError(

@@ -11,8 +11,7 @@ from mgjax.avoidance.play.clocks import SimulatedSearches
 from mgjax.avoidance.prepared import Prepared, prepare
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.graph.build import build_graph
-from mgjax.graph.config import GraphConfig
-from mgjax.stage.apps.throw.app import THRESHOLD_M
+from mgjax.graph.config import EMBEDDED
 from mgjax.stage.apps.throw.clock import SessionClock
 from mgjax.stage.apps.throw.session import ThrowSession
 
@@ -56,8 +55,7 @@ class Played:
 @pytest.fixture(scope="session")
 def prepared() -> Prepared:
     clips, labels = synthetic_clips()
-    config = GraphConfig(threshold_m=THRESHOLD_M)
-    return prepare(build_graph(clips, labels=labels, config=config))
+    return prepare(build_graph(clips, labels=labels, config=EMBEDDED))
 
 
 @pytest.fixture
