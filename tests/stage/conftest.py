@@ -18,7 +18,7 @@ from mgjax.graph.types import MotionGraph
 def graph() -> MotionGraph:
     """The graph of the procedural clips, with enough transitions to avoid something."""
     clips, labels = synthetic_clips()
-    return build_graph(clips, labels=labels, config=GraphConfig(threshold_m=0.05))
+    return build_graph(clips, labels=labels, config=GraphConfig(threshold_m=0.05, best_per_s=30))
 
 
 @pytest.fixture(scope="session")
