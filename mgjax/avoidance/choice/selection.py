@@ -10,6 +10,7 @@ from typing import Literal
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.checks.written import SphereTrajectory, WrittenWalk, write_walk
 from mgjax.avoidance.choice.choosing import choose
+from mgjax.avoidance.choice.parrying import parried_walk
 from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.index.protocol import CandidateIndex
@@ -64,7 +65,8 @@ def select(
     each is scaled in time to meet it (eq. 3) and judged by its energies (eq. 10). In the order of
     their energy they are checked exactly, by forward kinematics, against the whole attack, and the
     first that stays clear wins: as captured and as it is written, with its feet kept. What follows
-    its end is chosen so that it stays clear until ``settle_s`` after the attack.
+    its end is chosen so that it stays clear until ``settle_s`` after the attack. Where none does,
+    an arm may parry (``config.parry``; :func:`mgjax.avoidance.parry.parry.find_parry`).
 
     Args:
         graph: a motion graph with labelled avoidance parts, or what
@@ -94,7 +96,35 @@ def select(
     choice = choose(prepared, node, attack, config=config, seed=seed, as_written=as_written)
     if choice.status == Status.AVOIDED and made and made[0][0] is choice.walk:
         return _selection(prepared, attack, choice, made[0][1])
-    return write(prepared, attack, choice, config, begin)
+    selection = write(prepared, attack, choice, config, begin)
+    if config.parry == "off" or selection.status == Status.AVOIDED:
+        return selection
+    return _parried(prepared, attack, selection, config, begin)
+
+
+def _parried(
+    prepared: Prepared,
+    attack: Attack,
+    selection: Selection,
+    config: AvoidanceConfig,
+    begin: FeetState | None,
+) -> Selection:
+    """An answer that avoids nothing with an arm that meets the attack; itself where none can."""
+    found = parried_walk(prepared, selection.walk, attack, config, begin)
+    if found is None:
+        return selection
+    parry, written = found
+    parried = replace(
+        selection,
+        status=Status.PARRIED,
+        parry=parry,
+        walk=written.walk,
+        motion=written.motion,
+        trace=written.trace,
+        clearance_m=parry.clearance_m,
+        clear_until=None,
+    )
+    return made_of(parried, prepared.graph, attack.ended(parry.sphere, parry.time))
 
 
 def write(
