@@ -11,7 +11,7 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.checks.written import SphereTrajectory, clearance
 from mgjax.avoidance.parry.contact import Contact, Track, first_contact, least_gap
 from mgjax.avoidance.parry.guard import PARTS, Arm, Guard
-from mgjax.avoidance.parry.trials import DEEPER_M, LIMIT_RAD, SQUARE
+from mgjax.avoidance.parry.trials import ALONG, DEEPER_M, LIMIT_RAD, SQUARE
 from mgjax.avoidance.rates import CHECK_RATE, CLEAR_M, EXPORT_RATE
 from mgjax.avoidance.refinement.rig import outside
 from mgjax.core.body.capsules import arm_clearance
@@ -62,7 +62,8 @@ def met(
 
     It is taken to be turned away there: it ends at the contact, and the other spheres of the attack
     go on. Until then no other capsule of the body is touched, and no sphere of the room's body but
-    those of this forearm and hand. Every other sphere of the attack is clear of all of the body.
+    those of this forearm and hand. It presses on the limb squarely, and the limb lies across its
+    way: what is only grazed would go on. Every other sphere of the attack is clear of all of the body.
 
     Args:
         guard: of the body.
@@ -72,7 +73,7 @@ def met(
         sphere: the one that is met.
     """
     contact = first_contact(guard.capsules, track, attack, sphere)
-    if contact is None or contact.square < SQUARE:
+    if contact is None or contact.square < SQUARE or contact.along > ALONG:
         return None
     limbs = {part: guard.limb(arm, part) for part in PARTS}
     part = next((name for name, own in limbs.items() if own[contact.capsule]), None)

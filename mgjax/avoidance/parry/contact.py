@@ -29,8 +29,9 @@ class Contact:
         capsule: its number.
         place: on the surface of the capsule, m. [3]
         share: place along the capsule's bone, 0 … 1.
-        square: cosine between the sphere's way, as seen from the arm's bone at rest, and the
-            direction in which it presses on the capsule: 1 head on, 0 grazing.
+        square: cosine between the sphere's way and the direction in which it presses on the
+            capsule: 1 head on, 0 grazing.
+        along: cosine between that way and the capsule's bone, 0 … 1: 0 where it lies across.
     """
 
     time: float
@@ -38,6 +39,7 @@ class Contact:
     place: Float[np.ndarray, "3"]
     share: float
     square: float
+    along: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -179,12 +181,15 @@ def _contact(
     press = way[row] / max(float(np.linalg.norm(way[row])), 1e-9)
     number = int(chosen[row])
     centre = attack.at(np.array([high]))[0, sphere]
+    a, b = (x[0, number] for x in capsules.ends(track.at(np.array([high]))))
+    bone, comes = (b - a) / np.linalg.norm(b - a), way_of(attack, sphere, float(high))
     return Contact(
         time=float(high),
         capsule=number,
         place=centre + way[row] - press * capsules.radii[number],
         share=float(share[row]),
-        square=float(press @ way_of(attack, sphere, float(high))),
+        square=float(press @ comes),
+        along=float(abs(bone @ comes)),
     )
 
 

@@ -25,13 +25,18 @@ from mgjax.core.xla.pytree import register
 
 COARSE_RATE = 60.0
 """Moments per second at which trials are measured."""
-SWIVELS_DEG = (-60.0, -30.0, 0.0, 30.0, 60.0)
+SWIVELS_DEG = (-90.0, -60.0, -30.0, 0.0, 30.0, 60.0, 90.0)
 """How the arm is turned about the line from the shoulder to where it meets the attack."""
-PLACES = (0.35, 0.6, 0.85, 1.5)
+PLACES = (0.3, 0.55, 0.8, 1.4)
 """Where the attack is met: shares of the forearm; above 1, of the hand."""
 SQUARE = 0.5
 """Least cosine between the way of an attack and the direction in which it presses on the arm:
 what only grazes an arm is not turned away by it."""
+ALONG = 0.7
+"""Largest cosine between the bone that meets an attack and its way: a limb that points at a ball
+does not lead it aside."""
+HAND_RAD = 0.5
+"""What it counts against a hand: a forearm is the firmer guard."""
 MISS_M = 0.01
 """Where an arm cannot reach it is this far off, at least."""
 LIMIT_RAD = 0.01
@@ -104,7 +109,7 @@ class Tried:
 
     Attributes:
         turns: of shoulder and elbow, rotation vectors, rad. [N, 2, 3]
-        effort: how far both turn, rad. [N]
+        effort: how far both turn, rad, and ``HAND_RAD`` for a hand. [N]
         good: whether nothing stands against it. [N]
     """
 
@@ -123,7 +128,8 @@ def try_all(body: Body, trials: Trials) -> Tried:
     good &= _meets(body, trials, turned(trials.pose, turns), hand)
     good &= jax.vmap(lambda *lane: _keeps(body, *lane))(trials.arm, trials.contact, turns)
     angles = jnp.sum(turns * turns, axis=-1)
-    return Tried(turns=turns, effort=jnp.sqrt(jnp.sum(angles, axis=-1)), good=good)
+    effort = jnp.sqrt(jnp.sum(angles, axis=-1)) + jnp.where(hand, HAND_RAD, 0.0)
+    return Tried(turns=turns, effort=effort, good=good)
 
 
 try_jitted = jax.jit(try_all)
@@ -137,11 +143,12 @@ def place_on(pose: ArmPose, place: Float[Array, "*b"]) -> Float[Array, "*b 3"]:
 
 
 def _meets(body: Body, trials: Trials, pose: ArmPose, hand: Bool[Array, " N"]) -> Bool[Array, " N"]:
-    """Whether the sphere presses squarely on what is to meet it, and reaches nothing else of the
-    arm."""
+    """Whether a sphere presses squarely on what is to meet it, which lies across its way, and
+    reaches nothing else of the arm."""
     bones = ((pose.shoulder, pose.elbow), (pose.elbow, pose.wrist), (pose.wrist, pose.tip))
-    gaps = []
-    presses = []
+    gaps: list[Array] = []
+    presses: list[Array] = []
+    lies: list[Array] = []
     for row, (a, b) in enumerate(bones):
         axis = b - a
         along = jnp.maximum(jnp.sum(axis * axis, axis=-1), 1e-9)
@@ -150,10 +157,12 @@ def _meets(body: Body, trials: Trials, pose: ArmPose, hand: Bool[Array, " N"]) -
         far = jnp.sqrt(jnp.maximum(jnp.sum(away * away, axis=-1), 1e-12))
         gaps.append(far - trials.radius - body.radii[row])
         presses.append(jnp.sum(away * trials.way, axis=-1) / far)
+        lies.append(jnp.abs(jnp.sum(axis * trials.way, axis=-1)) / jnp.sqrt(along))
     other = jnp.minimum(gaps[0], jnp.where(hand, gaps[1], gaps[2]))
     square = jnp.where(hand, presses[2], presses[1])
     own = jnp.where(hand, gaps[2], gaps[1])
-    return (square >= SQUARE) & (other > jnp.minimum(own, 0.0))
+    across = jnp.where(hand, lies[2], lies[1]) <= ALONG
+    return across & (square >= SQUARE) & (other > jnp.minimum(own, 0.0))
 
 
 def _keeps(
