@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,32 @@ from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.core.motion import Motion
 from mgjax.core.shown import like
 from mgjax.graph.feet.course import FeetState
-from mgjax.graph.walk import Walk, extend
+from mgjax.graph.walk import Walk, extend, random_walk
+
+OTHERS = 4
+"""Walks that are tried beside the one that is touched least."""
+
+
+def others_of(prepared: Prepared, node: int, attack: Attack, seed: int) -> Iterator[Walk]:
+    """Walks drawn at random on which an arm may parry where it cannot on the chosen one."""
+    seconds = attack.end + AFTER_S
+    for number in range(OTHERS):
+        yield random_walk(prepared.graph, node, seconds, seed + number)
+
+
+def first_parried(
+    prepared: Prepared,
+    walks: Iterable[Walk],
+    attack: Attack,
+    config: AvoidanceConfig,
+    begin: FeetState | None = None,
+) -> tuple[int, Parry, WrittenWalk] | None:
+    """The first of some walks on which an arm parries: its number, and how; None without one."""
+    for number, walk in enumerate(walks):
+        found = parried_walk(prepared, walk, attack, config, begin)
+        if found is not None:
+            return number, *found
+    return None
 
 
 def parried_walk(

@@ -10,10 +10,11 @@ from typing import Literal
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.checks.written import SphereTrajectory, WrittenWalk, write_walk
 from mgjax.avoidance.choice.choosing import choose
-from mgjax.avoidance.choice.parrying import parried_walk
+from mgjax.avoidance.choice.parrying import first_parried, others_of
 from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.index.protocol import CandidateIndex
+from mgjax.avoidance.parry.parry import Parry
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M, FAR
 from mgjax.avoidance.refinement.refine import change_written, refine_walks, retimed
@@ -99,21 +100,24 @@ def select(
     selection = write(prepared, attack, choice, config, begin)
     if config.parry == "off" or selection.status == Status.AVOIDED:
         return selection
-    return _parried(prepared, attack, selection, config, begin)
+    walks = [selection.walk, *others_of(prepared, node, attack, seed)]
+    found = first_parried(prepared, walks, attack, config, begin)
+    return selection if found is None else _parried(prepared, attack, selection, *found)
 
 
 def _parried(
     prepared: Prepared,
     attack: Attack,
     selection: Selection,
-    config: AvoidanceConfig,
-    begin: FeetState | None,
+    number: int,
+    parry: Parry,
+    written: WrittenWalk,
 ) -> Selection:
-    """An answer that avoids nothing with an arm that meets the attack; itself where none can."""
-    found = parried_walk(prepared, selection.walk, attack, config, begin)
-    if found is None:
-        return selection
-    parry, written = found
+    """The answer with an arm that meets the attack, on its own walk (number 0) or another."""
+    if number:
+        nothing = {"path_length": 0, "part": None, "time_scale": None, "energy": None}
+        timing = linear_warp(prepared.graph, written.walk)
+        selection = replace(selection, **nothing, timing=timing)
     parried = replace(
         selection,
         status=Status.PARRIED,
@@ -124,7 +128,7 @@ def _parried(
         clearance_m=parry.clearance_m,
         clear_until=None,
     )
-    return made_of(parried, prepared.graph, attack.ended(parry.sphere, parry.time))
+    return made_of(parried, prepared.graph, attack)
 
 
 def write(

@@ -27,7 +27,7 @@ class Arm:
     Attributes:
         side: ``"left"`` or ``"right"``.
         shoulder, elbow, wrist: joints.
-        tip: the joint where the hand ends; the wrist where there is no hand.
+        tip: where the fingers begin, or the next joint after the wrist; the wrist without one.
     """
 
     side: str
@@ -91,12 +91,15 @@ def guard_of(graph: MotionGraph) -> Guard:
 def _make(graph: MotionGraph) -> Guard:
     skeleton = graph.skeleton
     arms = find_arms(skeleton)
+    turning = [joint for arm in arms for joint in (arm.shoulder, arm.elbow)]
+    # Without an arm nothing asks for limits.
+    limits = captured_limits(graph, turning or [0])
     return Guard(
         skeleton=skeleton,
         arms=arms,
         capsules=make_capsules(skeleton),
         spheres=preset_spheres(skeleton),
-        limits=captured_limits(graph, [j for arm in arms for j in (arm.shoulder, arm.elbow)]),
+        limits=limits,
         fastest=captured_speed(graph, arms),
         scale=graph.body_scale,
     )
@@ -111,8 +114,8 @@ def find_arms(skeleton: Skeleton) -> tuple[Arm, ...]:
         if len(joints) == 3:
             shoulder, elbow, wrist = joints
             hand = find_role(skeleton, f"{side}_hand")
-            ends = [j for j in skeleton.end_joints if skeleton.parents[j] == wrist]
-            tip = hand if hand is not None else next(iter(ends), wrist)
+            below = [j for j, parent in enumerate(skeleton.parents) if parent == wrist]
+            tip = hand if hand is not None else next(iter(below), wrist)
             arms.append(Arm(side=side, shoulder=shoulder, elbow=elbow, wrist=wrist, tip=tip))
     return tuple(arms)
 

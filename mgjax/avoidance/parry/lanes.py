@@ -23,6 +23,7 @@ from mgjax.avoidance.parry.trials import (
 )
 from mgjax.avoidance.rates import CHECK_RATE, CLEAR_M, EXPORT_RATE
 from mgjax.core.body.capsules import KEPT_OUT
+from mgjax.core.body.joint_limits import JointLimits
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion, sample
 
@@ -94,6 +95,50 @@ def lanes_of(
     )
 
 
+def empty_lanes(guard: Guard) -> tuple[Body, Trials]:
+    """Trials of nothing, in the shapes of all others."""
+    rest = sum(part in KEPT_OUT for part in guard.capsules.parts)
+    count = ARMS * MOMENTS * len(PLACES) * len(SWIVELS_DEG)
+
+    def zeros(*shape: int) -> np.ndarray:
+        return np.zeros(shape, np.float32)
+
+    def pose(*shape: int) -> ArmPose:
+        places = {name: zeros(*shape, 3) for name in ("shoulder", "elbow", "wrist", "tip")}
+        turns = {name: zeros(*shape, 4) for name in ("shoulder_turn", "elbow_turn")}
+        return ArmPose(**places, **turns)
+
+    body = Body(
+        times=zeros(FRAMES),
+        arms=pose(ARMS, FRAMES),
+        local=zeros(ARMS, FRAMES, 2, 4),
+        limits=_filled_limits(guard),
+        begins=zeros(FRAMES, rest, 3),
+        axes=zeros(FRAMES, rest, 3),
+        reach=zeros(rest),
+        radii=zeros(3),
+        fastest=np.asarray(0, np.float32),
+        deeper=np.asarray(0, np.float32),
+    )
+    trials = Trials(
+        arm=np.zeros(count, np.int32),
+        contact=zeros(count),
+        pose=pose(count),
+        centre=zeros(count, 3),
+        way=zeros(count, 3),
+        place=zeros(count),
+        swivel=zeros(count),
+        radius=np.asarray(0, np.float32),
+    )
+    return body, trials
+
+
+def _filled_limits(guard: Guard) -> JointLimits:
+    """Limits of shoulder and elbow of the arms, those of the first again where there is one."""
+    rows = np.resize(np.arange(2 * len(guard.arms)), 2 * ARMS)
+    return JointLimits(**{name: np.asarray(v)[rows] for name, v in vars(guard.limits).items()})
+
+
 def _in_reach(
     guard: Guard,
     arm: Arm,
@@ -131,8 +176,6 @@ def _body(guard: Guard, motion: Motion, times: Float[np.ndarray, " T"]) -> Body:
     capsules = guard.capsules
     rest = np.array([part in KEPT_OUT for part in capsules.parts])
     a, b = (x[:, rest] for x in capsules.ends(places))
-    limits = guard.limits
-    fill = np.resize(np.arange(2 * len(guard.arms)), 2 * ARMS)
     return Body(
         times=times.astype(np.float32),
         arms=_stacked([_pose(arm, places, turns) for arm in _filled(guard)]),
@@ -142,13 +185,13 @@ def _body(guard: Guard, motion: Motion, times: Float[np.ndarray, " T"]) -> Body:
                 for arm in _filled(guard)
             ]
         ),
-        limits=type(limits)(**{k: np.asarray(v)[fill] for k, v in vars(limits).items()}),
+        limits=_filled_limits(guard),
         begins=a.astype(np.float32),
         axes=(b - a).astype(np.float32),
         reach=capsules.radii[rest].astype(np.float32),
         radii=_radii(guard),
-        fastest=np.float32(guard.fastest),
-        deeper=np.float32(DEEPER_M * guard.scale),
+        fastest=np.asarray(guard.fastest, np.float32),
+        deeper=np.asarray(DEEPER_M * guard.scale, np.float32),
     )
 
 
@@ -165,12 +208,10 @@ def _trials(
     frames = np.clip(moments.ravel()[order] * EXPORT_RATE, 0, motion.num_frames - 1)
     poses = sample(motion, frames)
     places, turns = _forward(guard, poses)
-    local = np.asarray(poses.local_rotations, np.float32)
     each = len(PLACES) * len(SWIVELS_DEG)
     rows = np.repeat(back, each)  # of every trial its pose
     arms = np.repeat(np.arange(ARMS), MOMENTS * each)
     by_arm = _stacked([_pose(arm, places, turns) for arm in _filled(guard)])
-    joints = np.array([[arm.shoulder, arm.elbow] for arm in _filled(guard)])
     flat = moments.ravel()
     centres = attack.at(flat[order])[back, sphere]
     ways = np.stack([way_of(attack, sphere, float(t)) for t in flat])
@@ -180,12 +221,11 @@ def _trials(
         arm=arms.astype(np.int32),
         contact=np.repeat(flat, each).astype(np.float32),
         pose=ArmPose(**{k: v[arms, rows] for k, v in vars(by_arm).items()}),
-        local=local[rows[:, None], joints[arms]],
         centre=np.repeat(centres, each, axis=0).astype(np.float32),
         way=np.repeat(ways, each, axis=0).astype(np.float32),
         place=np.tile(place.ravel(), count).astype(np.float32),
         swivel=np.tile(swivel.ravel(), count).astype(np.float32),
-        radius=np.float32(attack.radii[sphere]),
+        radius=np.asarray(attack.radii[sphere], np.float32),
     )
 
 

@@ -13,7 +13,7 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.parry.checked import Met, keeps_limits, met, track_of
 from mgjax.avoidance.parry.course import FALL_S, STAY_S, course, turn_arm
 from mgjax.avoidance.parry.guard import guard_of
-from mgjax.avoidance.parry.lanes import Asked, lanes_of, touching
+from mgjax.avoidance.parry.lanes import Asked, empty_lanes, lanes_of, touching
 from mgjax.avoidance.parry.trials import try_jitted
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.core import quaternion
@@ -71,6 +71,10 @@ class Parry:
     def stop(self) -> float:
         """End of the window, s from now."""
         return self.start + (len(self.values) - 1) / EXPORT_RATE
+
+    def left_of(self, attack: Attack) -> Attack:
+        """What is left of the attack: the sphere that is met ends at the contact."""
+        return attack.ended(self.sphere, self.time)
 
     @property
     def largest_m(self) -> float:
@@ -131,6 +135,13 @@ def find_parry(
             parry = _parry(graph, motion, after, found, sphere, start, values, clearance_m)
             return parry, after
     return None
+
+
+def compile_parrying(graph: MotionGraph) -> None:
+    """Tries nothing, so that no later call compiles."""
+    guard = guard_of(graph)
+    if guard.arms:
+        try_jitted(*empty_lanes(guard))
 
 
 def _in_order(asked: Asked) -> list[tuple[int, float, Float[np.ndarray, "2 3"]]]:

@@ -83,7 +83,6 @@ class Trials:
         arm: number of the arm. [N]
         contact: when it is met, s. [N]
         pose: the arm then, before it is turned. [N]
-        local: local rotations of shoulder and elbow then. [N, 2, 4]
         centre: of the sphere then, m. [N, 3]
         way: unit vector along which it comes. [N, 3]
         place: see ``PLACES``. [N]
@@ -94,7 +93,6 @@ class Trials:
     arm: Int[Array, " N"]
     contact: Float[Array, " N"]
     pose: ArmPose
-    local: Float[Array, "N 2 4"]
     centre: Float[Array, "N 3"]
     way: Float[Array, "N 3"]
     place: Float[Array, " N"]
