@@ -62,7 +62,7 @@ def course(
     last = int(np.ceil((contact + STAY_S + FALL_S) * EXPORT_RATE))
     times = np.arange(first, last + 1) / EXPORT_RATE
     share = share_at(times[None], when)[0]
-    return first / EXPORT_RATE, share[:, None] * np.asarray(turns, np.float64).reshape(1, 6)
+    return first / EXPORT_RATE, np.asarray(share)[:, None] * np.asarray(turns, np.float64).reshape(1, 6)
 
 
 def turn_arm(
