@@ -61,8 +61,9 @@ def course(
     first = int(np.floor(float(rise_start(when)[0]) * EXPORT_RATE))
     last = int(np.ceil((contact + STAY_S + FALL_S) * EXPORT_RATE))
     times = np.arange(first, last + 1) / EXPORT_RATE
-    share = share_at(times[None], when)[0]
-    return first / EXPORT_RATE, np.asarray(share)[:, None] * np.asarray(turns, np.float64).reshape(1, 6)
+    share = np.asarray(share_at(times[None], when))[0]
+    values = share[:, None] * np.asarray(turns, np.float64).reshape(1, 6)
+    return first / EXPORT_RATE, values
 
 
 def turn_arm(

@@ -64,6 +64,10 @@ class Guard:
     fastest: float
     scale: float
 
+    def arm(self, side: str) -> Arm:
+        """The arm of a side."""
+        return next(arm for arm in self.arms if arm.side == side)
+
     def limb(self, arm: Arm, part: str) -> Bool[np.ndarray, " B"]:
         """The capsules of a part of an arm."""
         pairs = zip(self.capsules.parts, self.capsules.arms, strict=True)

@@ -12,14 +12,17 @@ import pytest
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.merge import merge_attacks
+from mgjax.avoidance.attacks.transform import in_frame
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.selection import Selection, select
 from mgjax.avoidance.parry.checked import keeps_limits, met, track_of
 from mgjax.avoidance.parry.guard import find_arms, guard_of
-from mgjax.avoidance.parry.parry import find_parry
+from mgjax.avoidance.parry.parry import Parry, find_parry
+from mgjax.avoidance.play.planner import Planner
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.cli import main
+from mgjax.core import planar
 from mgjax.core.body.capsules import make_capsules
 from mgjax.core.errors import ConfigError
 from mgjax.core.kinematics import forward
@@ -252,3 +255,31 @@ def test_the_command_writes_it(
     volumes = np.load(out / "volumes.npz")
     gone = volumes["times"] > result["parry"]["time_s"] + 1e-6
     assert (np.abs(volumes["attack_centres"][gone]).max(axis=-1) > 500).all()
+
+
+def test_the_planner_plays_it(guarding: MotionGraph, attack: Attack) -> None:
+    place = np.array([0.7, 1.0, -2.0])
+    planner = Planner(guarding, config=CONFIG, node=0, start=place)
+    end = planner.timeline.end  # the search is for the end of the edge that is being played
+    world = in_frame(attack, np.asarray(planar.inverse(planner.timeline.frame_at_end())), -end)
+    planner.attack(world)
+    (found,) = planner.finish()
+    assert found.search == found.status == "parried"
+    assert not found.hit
+    assert found.limb is not None
+    assert found.clearance_m >= CLEAR_M
+    assert planner.counts()["parried"] == 1
+    (change,) = planner.timeline.changes
+    assert isinstance(change.change, Parry)
+    assert change.change.limb == found.limb
+    motion = planner.timeline.sample(np.array([change.begins + change.change.time]))
+    guard = guard_of(guarding)
+    arm = guard.arm(change.change.side)
+    places = np.asarray(
+        forward(guarding.skeleton, motion.root_translation, motion.local_rotations)[0]
+    )[0]
+    at = world.at(np.array([change.begins + change.change.time]))[0, 0]
+    bone = (arm.elbow, arm.wrist) if found.limb.endswith("forearm") else (arm.wrist, arm.tip)
+    near = reference.to_segment(at, *places[list(bone)].astype(np.float64))
+    radii = guard.capsules.radii[guard.limb(arm, found.limb.split("_")[1])]
+    assert near == pytest.approx(float(world.radii[0] + radii[0]), abs=0.02)
