@@ -72,9 +72,9 @@ def run(config: Config) -> Results:
     rows: list[dict[str, Any]] = []
     drawn: list[Strip] = []
     for arrives in config.arrives:
-        row, strips = _measured(config, graph, arrives)
+        row, found = _measured(config, graph, arrives)
         rows.append(row)
-        drawn += strips
+        drawn += found
     chosen = [drawn[k] for k in _spread(len(drawn), config.strips)]
 
     def strips() -> Figure:
@@ -92,7 +92,7 @@ def _measured(
 ) -> tuple[dict[str, Any], list[Strip]]:
     """What became of the balls of one time of arrival, and all its parries."""
     throws = arriving_in(standard_throws(config.balls, config.seed), arrives)
-    counts = dict.fromkeys((*OUTCOMES, "refused"), 0)
+    counts: dict[str, int] = dict.fromkeys(OUTCOMES, 0)
     strips: list[Strip] = []
     for number in range(len(throws)):
         attack, node = throws.attack(number), throws.node_of(number, graph)

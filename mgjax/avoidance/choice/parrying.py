@@ -36,47 +36,36 @@ def first_parried(
     config: AvoidanceConfig,
     begin: FeetState | None = None,
 ) -> tuple[int, Parry, WrittenWalk] | None:
-    """The first of some walks on which an arm parries: its number, and how; None without one."""
-    for number, walk in enumerate(walks):
-        found = parried_walk(prepared, walk, attack, config, begin)
-        if found is not None:
-            return number, *found
-    return None
-
-
-def parried_walk(
-    prepared: Prepared,
-    walk: Walk,
-    attack: Attack,
-    config: AvoidanceConfig,
-    begin: FeetState | None = None,
-) -> tuple[Parry, WrittenWalk] | None:
-    """A walk as it is written with an arm that parries; None where it is not hit, or none can.
+    """The first of some walks that is hit and on which an arm parries, as it is then written.
 
     Args:
         prepared: of the graph.
-        walk: what is played, with one speed per edge.
-        attack: in the planar frame of its first pose, its times from now.
+        walks: the first is what is played otherwise, with one speed per edge.
+        attack: in the planar frame of their first pose, its times from now.
         config: settings, of an adult.
         begin: what the feet are off now; default: nothing.
+
+    Returns:
+        Its number, and how; None without one, and where the first walk is not hit at all.
     """
     graph, spheres = prepared.graph, prepared.tables.spheres
-    seconds = attack.end + max(config.settle_s, AFTER_S)
-    written = write_walk(graph, spheres, extend(graph, walk, seconds), seconds, None, attack, begin)
-    assert written.clearance is not None, "there is an attack"
-    if written.clearance >= CLEAR_M:
-        return None
     own = for_body(config, graph.body_scale)
-    found = find_parry(graph, written.motion, attack, own, written.clearance)
-    if found is None:
-        return None
-    parry, motion = found
-    motion = _cut(motion, max(attack.end + config.settle_s, parry.stop))
-    trace = sphere_trajectory(graph, spheres, motion)
-    changed = WrittenWalk(
-        walk=written.walk, motion=motion, trace=trace, clearance=parry.clearance_m
-    )
-    return parry, changed
+    seconds = attack.end + max(config.settle_s, AFTER_S)
+    for number, walk in enumerate(walks):
+        longer = extend(graph, walk, seconds)
+        written = write_walk(graph, spheres, longer, seconds, None, attack, begin)
+        assert written.clearance is not None, "there is an attack"
+        if written.clearance < CLEAR_M:
+            found = find_parry(graph, written.motion, attack, own, written.clearance)
+            if found is not None:
+                parry, motion = found
+                motion = _cut(motion, max(attack.end + config.settle_s, parry.stop))
+                trace = sphere_trajectory(graph, spheres, motion)
+                changed = replace(written, motion=motion, trace=trace, clearance=parry.clearance_m)
+                return number, parry, changed
+        elif number == 0:
+            return None
+    return None
 
 
 def _cut(motion: Motion, seconds: float) -> Motion:

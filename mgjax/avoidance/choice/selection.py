@@ -98,7 +98,7 @@ def select(
     if choice.status == Status.AVOIDED and made and made[0][0] is choice.walk:
         return _selection(prepared, attack, choice, made[0][1])
     selection = write(prepared, attack, choice, config, begin)
-    if config.parry == "off" or selection.status == Status.AVOIDED:
+    if config.parry == "off" or selection.status == Status.AVOIDED or selection.crop is None:
         return selection
     walks = [selection.walk, *others_of(prepared, node, attack, seed)]
     found = first_parried(prepared, walks, attack, config, begin)

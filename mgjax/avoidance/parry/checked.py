@@ -11,7 +11,7 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.checks.written import SphereTrajectory, clearance
 from mgjax.avoidance.parry.contact import Contact, Track, first_contact, least_gap
 from mgjax.avoidance.parry.guard import PARTS, Arm, Guard
-from mgjax.avoidance.parry.trials import ALONG, DEEPER_M, LIMIT_RAD, SQUARE
+from mgjax.avoidance.parry.trials import ALONG, APART_M, DEEPER_M, LIMIT_RAD, SQUARE
 from mgjax.avoidance.rates import CHECK_RATE, CLEAR_M, EXPORT_RATE
 from mgjax.avoidance.refinement.rig import outside
 from mgjax.core.body.capsules import arm_clearance
@@ -61,8 +61,8 @@ def met(
     """Whether a forearm or hand is the first and the only thing that a sphere touches.
 
     It is taken to be turned away there: it ends at the contact, and the other spheres of the attack
-    go on. Until then no other capsule of the body is touched, and no sphere of the room's body but
-    those of this forearm and hand. It presses on the limb squarely, and the limb lies across its
+    go on. Until then every other capsule of the body is ``APART_M`` away, and every sphere of the
+    room's body is clear but those of this forearm and hand. It presses on the limb squarely, and the limb lies across its
     way: what is only grazed would go on. Every other sphere of the attack is clear of the body.
 
     Args:
@@ -79,7 +79,7 @@ def met(
     part = next((name for name, own in limbs.items() if own[contact.capsule]), None)
     if part is None:
         return None
-    if least_gap(guard.capsules, track, attack, sphere, ~limbs[part], contact.time) <= 0:
+    if least_gap(guard.capsules, track, attack, sphere, ~limbs[part], contact.time) < APART_M:
         return None
     ended = attack.only([sphere]).ended(0, contact.time)
     rest = guard.rest(arm)

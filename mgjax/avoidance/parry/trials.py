@@ -35,6 +35,9 @@ what only grazes an arm is not turned away by it."""
 ALONG = 0.7
 """Largest cosine between the bone that meets an attack and its way: a limb that points at a ball
 does not lead it aside."""
+APART_M = 0.003
+"""How far the rest of the body still is from an attack when it is met: at a wrist forearm and hand
+would be met at once."""
 HAND_RAD = 0.5
 """What it counts against a hand: a forearm is the firmer guard."""
 MISS_M = 0.01
@@ -160,7 +163,7 @@ def _meets(body: Body, trials: Trials, pose: ArmPose, hand: Bool[Array, " N"]) -
     square = jnp.where(hand, presses[2], presses[1])
     own = jnp.where(hand, gaps[2], gaps[1])
     across = jnp.where(hand, lies[2], lies[1]) <= ALONG
-    return across & (square >= SQUARE) & (other > jnp.minimum(own, 0.0))
+    return across & (square >= SQUARE) & (other > APART_M + jnp.minimum(own, 0.0))
 
 
 def _keeps(

@@ -45,7 +45,9 @@ def find_parried(
     config: AvoidanceConfig,
     feet: FeetState | None,
 ) -> tuple[Walk, Parry] | None:
-    """The first of some walks that is hit and on which an arm parries; None without one.
+    """The first of some walks that is hit and on which an arm parries.
+
+    None without one, and where the first walk is not hit at all.
 
     Args:
         prepared: of the graph.
@@ -58,10 +60,12 @@ def find_parried(
     graph = prepared.graph
     seconds = attack.end + AFTER_S
     own = for_body(config, graph.body_scale)
-    for walk in walks:
+    for number, walk in enumerate(walks):
         longer = extend(graph, walk, seconds + 0.5)
         piece = line_of(graph, node, longer, feet).between(0.0, seconds, feet=True)
         gap = played_clearance(graph, piece, attack, 0.0)
+        if gap >= CLEAR_M and number == 0:
+            return None
         if gap >= CLEAR_M:
             continue
         motion = _motion(graph, piece, 0, int(np.ceil(seconds * EXPORT_RATE)))

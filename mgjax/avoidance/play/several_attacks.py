@@ -75,7 +75,8 @@ def find_path(
     attacks.
 
     If the selected walk is not clear of the others, the best candidate takes its place that is; if
-    there is none the newest attack counts and the selected walk stays.
+    there is none the newest attack counts and the selected walk stays. Where nothing avoids the
+    newest an arm may parry it, if the settings say so.
 
     Args:
         prepared: of the graph.
@@ -116,7 +117,8 @@ def _find_path(
     except AttackError:  # it is in the body where the path would begin
         return JointPath(status=Status.HIT, walk=None, joint=False)
     status = Status.HIT if touched else chosen.status
-    if config.parry == "on" and not touched and chosen.status != Status.AVOIDED:
+    lost = chosen.status != Status.AVOIDED and chosen.crop is not None
+    if config.parry == "on" and lost and not touched:
         walks = [chosen.walk, *others_of(prepared, node, attack, 0)]
         parried = find_parried(prepared, node, walks, attack, config, feet)
         if parried is not None:
