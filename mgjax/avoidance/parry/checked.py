@@ -62,8 +62,9 @@ def met(
 
     It is taken to be turned away there: it ends at the contact, and the other spheres of the attack
     go on. Until then every other capsule of the body is ``APART_M`` away, and every sphere of the
-    room's body is clear but those of this forearm and hand. It presses on the limb squarely, and the limb lies across its
-    way: what is only grazed would go on. Every other sphere of the attack is clear of the body.
+    room's body is clear but those of this forearm and hand. It presses on the limb squarely, and
+    the limb lies across its way: what is only grazed would go on. Every other sphere of the attack
+    is clear of the body.
 
     Args:
         guard: of the body.
