@@ -9,9 +9,11 @@ import numpy as np
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.core import quaternion
 from mgjax.core.body.roles import require_roles
 from mgjax.core.kinematics import forward
+from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 from mgjax.graph.types import MotionGraph
 from tests.avoidance.refinement.made import still_graph
@@ -79,3 +81,13 @@ def ball_at_chest(graph: MotionGraph, *, side: float = 0.0, **more: float) -> At
     target = chest + np.array([side, 0.0, 0.0])
     known = {"speed": 10.0, "arrives": 1.2} | more
     return ball_attack(target + np.array([0, 0, 5.0]), target, **known)
+
+
+def standing(graph: MotionGraph) -> Motion:
+    """Two seconds of it."""
+    count = 2 * round(EXPORT_RATE)
+    return Motion(
+        root_translation=np.repeat(graph.root_translation[:1], count, 0),
+        local_rotations=np.repeat(graph.local_rotations[:1], count, 0),
+        frame_rate=EXPORT_RATE,
+    )
