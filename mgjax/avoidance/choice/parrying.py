@@ -23,10 +23,13 @@ OTHERS = 4
 
 
 def others_of(prepared: Prepared, node: int, attack: Attack, seed: int) -> Iterator[Walk]:
-    """Walks drawn at random on which an arm may parry where it cannot on the chosen one."""
+    """Walks drawn at random on which an arm may parry where it cannot on the chosen one.
+
+    With seeds after the one that is drawn with where there is no candidate.
+    """
     seconds = attack.end + AFTER_S
     for number in range(OTHERS):
-        yield random_walk(prepared.graph, node, seconds, seed + number)
+        yield random_walk(prepared.graph, node, seconds, seed + 1 + number)
 
 
 def first_parried(
