@@ -25,7 +25,15 @@ from mgjax.graph.walk import make_walk
 
 DISTANCE_M = 5.0
 """From where a ball is thrown to where it is aimed at."""
-OUTCOMES = ("avoided", "hit", "no_candidate", "no_time_scale", "not_near", "refused")
+OUTCOMES = (
+    "avoided",
+    "hit",
+    "no_candidate",
+    "no_time_scale",
+    "not_near",
+    "refused",
+    "parried",
+)
 """``no_time_scale``: eq. 1 has candidates, and none can be scaled to meet the attack;
 ``not_near``: the attack stays outside the cylinder around the character; ``refused``: it begins
 inside the body."""

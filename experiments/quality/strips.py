@@ -61,7 +61,7 @@ def _bodies(axes: Axes, skeleton: Skeleton, strip: Strip) -> None:
         flat = np.stack([along + APART_M * slot, places[:, 1], towards], axis=-1)
         time = frames[slot] / strip.motion.frame_rate
         blended = strip.seam_s[0] < time < strip.seam_s[1]
-        _surface(axes, flat, triangles, _SEAM if blended else _CLIP, slot)
+        surface(axes, flat, triangles, _SEAM if blended else _CLIP, slot)
         axes.text(flat[:, 0].mean(), -0.16, f"{time:.2f} s", fontsize=7, ha="center")
     axes.axhline(0, color="#999999", linewidth=0.6)
     axes.set_aspect("equal")
@@ -78,9 +78,8 @@ def _heading(motion: Motion) -> np.ndarray:
     return np.array([axis[0], 0.0, axis[1]])
 
 
-def _surface(
-    axes: Axes, places: np.ndarray, triangles: np.ndarray, colour: str, order: int
-) -> None:
+def surface(axes: Axes, places: np.ndarray, triangles: np.ndarray, colour: str, order: int) -> None:
+    """A skinned body, as x, y and depth towards the eye, lit from above."""
     corners = places[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-12

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from mgjax.avoidance.many.attacks import select_batch as select_batch
     from mgjax.avoidance.many.settings import Swept as Swept
     from mgjax.avoidance.many.settings import sweep_energies as sweep_energies
+    from mgjax.avoidance.parry.parry import Parry as Parry
     from mgjax.avoidance.play.answers import Answer as Answer
     from mgjax.avoidance.play.planner import Planner as Planner
     from mgjax.avoidance.prepared import Prepared as Prepared
@@ -83,6 +84,7 @@ else:
             "load_attack": "mgjax.avoidance.attacks.json_file",
             "load_index": "mgjax.avoidance.index.files",
             "merge_attacks": "mgjax.avoidance.attacks.merge",
+            "Parry": "mgjax.avoidance.parry.parry",
             "Planner": "mgjax.avoidance.play.planner",
             "refine": "mgjax.avoidance.choice.selection",
             "Refinement": "mgjax.avoidance.refinement.refinement",

@@ -122,6 +122,9 @@ class AvoidanceConfig:
             changed a little until one is. ``"off"``: never, as in the paper.
         refine_max_m, refine_max_deg: how far any joint may then be moved, of an adult, m, and
             turned in its parent's frame, degrees.
+        parry: ``"on"``: where nothing avoids an attack, not even a near miss that is refined, a
+            forearm or a hand is led to meet it (:mod:`mgjax.avoidance.parry`). ``"off"``: never.
+        parry_radius_m: the largest sphere that an arm turns away, of an adult, m.
     """
 
     energy: EnergyConfig = EnergyConfig()
@@ -141,6 +144,8 @@ class AvoidanceConfig:
     refine: Literal["near", "off"] = "near"
     refine_max_m: float = 0.10
     refine_max_deg: float = 20.0
+    parry: Literal["off", "on"] = "off"
+    parry_radius_m: float = 0.25
 
 
 _RANGES: Ranges = {
@@ -153,6 +158,7 @@ _RANGES: Ranges = {
     "settle_s": (0.0, 10.0),
     "refine_max_m": (0.0, 1.0),
     "refine_max_deg": (0.0, 180.0),
+    "parry_radius_m": (0.0, 10.0),
     "capacity": (1, 1_000_000),
     "checks": (1, 1_000_000),
     "energy.E_avoidance": (1e-9, 1e9),
@@ -190,6 +196,7 @@ def for_body(config: AvoidanceConfig, scale: float) -> AvoidanceConfig:
         crop_radius_m=scale * config.crop_radius_m,
         crop_height_m=scale * config.crop_height_m,
         refine_max_m=scale * config.refine_max_m,
+        parry_radius_m=scale * config.parry_radius_m,
         energy=sized(config.energy, _ENERGIES, scale),
         speed=sized(config.speed, _SPEEDS, scale),
     )
@@ -210,6 +217,7 @@ def validate_config(config: AvoidanceConfig) -> None:
         ("energy.d0", config.energy.d0, ("clamped", "paper")),
         ("warp", config.warp, ("smooth", "linear")),
         ("refine", config.refine, ("near", "off")),
+        ("parry", config.parry, ("off", "on")),
     ):
         if value not in known:
             raise ConfigError(got=f"{key} = {value!r}", expected=" or ".join(known))

@@ -14,6 +14,8 @@ from mgjax.avoidance.attacks.json_file import load_attack
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.choice.selection import Selection, both_timings, select
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.parry.guard import guard_of
+from mgjax.avoidance.parry.parry import Parry
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.avoidance.refinement.refinement import Refinement
 from mgjax.avoidance.timing.walk_warps import natural_starts, part_moments, speed_change
@@ -41,14 +43,17 @@ def run(command: Avoid) -> None:
     attack = attack_of(command)
     with output_folder(command.out) as folder:
         selection = select(graph, node, attack, config=config, seed=command.seed)
-        result = selection_json(graph, selection)
+        note = guard_of(graph).note if config.parry == "on" else None
+        result = selection_json(graph, selection) | {"notes": [] if note is None else [note]}
         (folder / "result.json").write_text(to_json(result) + "\n")
         save_bvh(folder / "motion.bvh", graph.skeleton, selection.motion)
         write_volumes(folder / "volumes.npz", graph, attack, selection)
-        scene_picture(folder / "scene.png", graph, [Throw(attack=attack, selection=selection)])
+        shown = attack if selection.parry is None else selection.parry.left_of(attack)
+        scene_picture(folder / "scene.png", graph, [Throw(attack=shown, selection=selection)])
         if command.html:
             save_html(folder / "index.html", selection)
-    emit(result, [describe(graph, selection), f"written to {command.out}"], as_json=command.json)
+    lines = [describe(graph, selection), *result["notes"], f"written to {command.out}"]
+    emit(result, lines, as_json=command.json)
 
 
 def attack_of(command: Avoid) -> Attack:
@@ -108,6 +113,7 @@ def selection_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
         "clearance_m": chosen.clearance_m,
         "clear_until": chosen.clear_until,
         "refinement": None if chosen.refinement is None else refinement_json(chosen.refinement),
+        "parry": None if chosen.parry is None else parry_json(chosen.parry),
         "attack": None
         if crop is None
         else {"crop_start_s": crop.start, "crop_end_s": crop.end, "t_attack": crop.middle},
@@ -124,6 +130,24 @@ def refinement_json(change: Refinement) -> dict[str, Any]:
         "largest_m": change.largest_m,
         "largest_deg": change.largest_deg,
         "joints": {name: {"moved_m": m, "turned_deg": deg} for name, m, deg in rows},
+    }
+
+
+def parry_json(parry: Parry) -> dict[str, Any]:
+    """How an arm meets an attack as JSON values: with what, when, where, and by what change."""
+    rows = zip(parry.joints, parry.moved_m, parry.turned_deg, strict=True)
+    return {
+        "limb": parry.limb,
+        "time_s": parry.time,
+        "place_m": parry.place.tolist(),
+        "sphere": parry.sphere,
+        "square": parry.square,
+        "start_s": parry.start,
+        "end_s": parry.stop,
+        "clearance_before_m": parry.clearance_before_m,
+        "largest_cm": 100 * parry.largest_m,
+        "largest_deg": parry.largest_deg,
+        "joints": {name: {"moved_cm": 100 * m, "turned_deg": deg} for name, m, deg in rows},
     }
 
 
@@ -198,8 +222,11 @@ def write_volumes(path: Path, graph: MotionGraph, attack: Attack, selection: Sel
     """Attack and body over time, as they were checked.
 
     A sphere that is not there is put 1 km away, back or on along its flight, so that every distance
-    stays a number and whoever joins the moments by lines does not draw one through the body.
+    stays a number and whoever joins the moments by lines does not draw one through the body. One
+    that is parried is not there from the contact on.
     """
+    if selection.parry is not None:
+        attack = selection.parry.left_of(attack)
     trace = selection.trace
     centres = attack.at(trace.times)
     still = np.array([0.0, -1.0, 0.0])
@@ -227,6 +254,13 @@ def describe(graph: MotionGraph, selection: Selection) -> str:
     chosen = selection
     if chosen.status == "no_candidate":
         return f"no candidate ({chosen.candidates} walks, dropped {chosen.dropped})"
+    if chosen.parry is not None:
+        parry = chosen.parry
+        return (
+            f"parried with the {parry.limb.replace('_', ' ')} at {parry.time:.2f} s, led by"
+            f" {100 * parry.largest_m:.0f} cm and {parry.largest_deg:.0f}°;"
+            f" nothing avoids it among {chosen.candidates} candidates"
+        )
     kind, way = graph.label_kind[chosen.part or 0], graph.label_direction[chosen.part or 0]
     change = chosen.refinement
     changed = ""

@@ -21,7 +21,7 @@ from mgjax.core.kinematics import forward
 from mgjax.graph.types import MotionGraph
 from mgjax.pictures.coverage_map import frame_cell, heat_map
 
-COLOURS = {"avoided": "#4575b4", "hit": "#d73027", "no candidate": "#b0b0b0"}
+COLOURS = {"avoided": "#4575b4", "hit": "#d73027", "no candidate": "#b0b0b0", "parried": "#e69f00"}
 COLUMNS = 3
 BODY_ASPECT = 0.6
 """Width of the panel with the body, in parts of its height, so that the body keeps its shape."""
@@ -122,6 +122,8 @@ def _stacked(axes: Axes, result: Coverage, masks: dict[str, np.ndarray]) -> None
     status = result.answers.status
     places = np.arange(len(masks))[::-1]
     for (name, colour), outcome in zip(COLOURS.items(), Status, strict=True):
+        if outcome == Status.PARRIED and not (status == outcome.code).any():
+            continue
         share = np.array([100 * (status[mask] == outcome.code).mean() for mask in masks.values()])
         bars = axes.barh(places, share, left=left, color=colour, label=name)
         texts = [f"{x:.0f}" if x > 4 else "" for x in share]

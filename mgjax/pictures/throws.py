@@ -58,6 +58,10 @@ def _headline(scene: Scene, number: int, total: int) -> str:
     )
     if chosen.status == "no_candidate":
         return f"{text}\nno candidate: no avoidance part comes at the right time"
+    if chosen.parry is not None:
+        limb, at = chosen.parry.limb.replace("_", " "), chosen.parry.time
+        led = f"led by {chosen.parry.largest_m:.2f} m"
+        return f"{text}\nPARRIED with the {limb} at {at:.2f} s, {led}"
     result = "avoided" if chosen.status == "avoided" else "HIT"
     stretch = f", played × {1 / (chosen.time_scale or 1):.2f} speed"
     distance = chosen.clearance_m or 0.0

@@ -204,6 +204,7 @@ SLOW = (
     "experiments.avoidance.connectivity",
     "experiments.avoidance.culling",
     "experiments.avoidance.minimal_movement",
+    "experiments.avoidance.parry",
     "experiments.avoidance.reaction_time",
     "experiments.avoidance.success",
     "experiments.avoidance.sweep",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -85,6 +86,25 @@ class Attack:
         """Whether each sphere is there; between two moments if it is at both."""
         starts, stops = self.lifetimes
         return (times[:, None] >= starts) & (times[:, None] <= stops)
+
+    def only(self, spheres: Sequence[int]) -> Attack:
+        """Some of its spheres."""
+        rows = list(spheres)
+        return replace(
+            self,
+            centres=self.centres[:, rows],
+            radii=self.radii[rows],
+            starts=None if self.starts is None else self.starts[rows],
+            stops=None if self.stops is None else self.stops[rows],
+        )
+
+    def ended(self, sphere: int, time: float) -> Attack:
+        """The same with one sphere that ends at a moment within its life."""
+        starts, stops = (np.array(moments, np.float64) for moments in self.lifetimes)
+        times = np.unique(np.append(self.times, time))
+        centres = self.at(times)
+        stops[sphere] = time
+        return replace(self, times=times, centres=centres, starts=starts, stops=stops)
 
     @cached_property
     def largest_speed(self) -> float:

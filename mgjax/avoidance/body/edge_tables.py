@@ -11,7 +11,7 @@ from mgjax.avoidance.body.spheres import BodySpheres, preset_spheres, sphere_cen
 from mgjax.avoidance.body.unmoved import edges_onward
 from mgjax.avoidance.config import SpeedConfig
 from mgjax.core import planar
-from mgjax.core.body.roles import require_roles
+from mgjax.core.body.roles import find_role
 from mgjax.graph.parts.connectivity import nearest_part
 from mgjax.graph.types import MotionGraph
 
@@ -139,8 +139,12 @@ def _farthest(pool: np.ndarray, spheres: BodySpheres) -> float:
 
 
 def _top_speeds(graph: MotionGraph, positions: np.ndarray) -> np.ndarray:
-    """v_max of each edge (§4.1): the fastest end effector over its frames, in the world."""
-    joints = list(require_roles(graph.skeleton, END_EFFECTORS))
+    """v_max of each edge (§4.1): the fastest end effector over its frames, in the world.
+
+    Of those that the body has: an arm may be missing.
+    """
+    found = [find_role(graph.skeleton, role) for role in END_EFFECTORS]
+    joints = [joint for joint in found if joint is not None]
     step = np.linalg.norm(np.diff(positions[:, joints], axis=0), axis=-1).max(axis=1)
     step = np.append(step * graph.frame_rate, 0.0)
     # The step from frame f to f + 1 belongs to the edge that plays f.

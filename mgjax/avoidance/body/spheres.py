@@ -59,7 +59,8 @@ def preset_spheres(skeleton: Skeleton) -> BodySpheres:
     """30 spheres for head, neck, torso, arms, hands, legs and feet, scaled to the skeleton.
 
     Works on every human body, whatever its joints are called and its rest pose looks like;
-    :class:`SkeletonError` names what is missing. Hands, toes and the top of the head fall back to
+    :class:`SkeletonError` names what is missing. An arm of which there is no joint has no spheres.
+    Hands, toes and the top of the head fall back to
     the end of their bone, and to the joint itself where there is none; a neck to the head, a head
     to the chest.
     """
@@ -70,8 +71,11 @@ def preset_spheres(skeleton: Skeleton) -> BodySpheres:
     tree = tree_of(skeleton)
     along = [tree.distance(0, joint) for joint in range(skeleton.num_joints)]
     rows: list[tuple[str, int, int, float, float]] = []
+    missing = _missing_arms(skeleton)
     for a, b, share, radius in _PRESET:
         for side in ("left", "right") if "@" in a else ("",):
+            if side in missing and a in _ARM:
+                continue
             ends = [x.replace("@", side) for x in (a, b)]
             first, second = (_joint(skeleton, end) for end in ends)
             name = f"{ends[0]}-{ends[1]} {share:.2f}"
@@ -102,6 +106,18 @@ _SHORT_M = 0.03
 
 _FARTHEST = 3.0
 """At most so many times the length of a bone lies a sphere beyond it."""
+
+_ARM = ("@_shoulder", "@_elbow", "@_wrist")
+
+
+def _missing_arms(skeleton: Skeleton) -> tuple[str, ...]:
+    """The sides on which no joint of an arm is."""
+    return tuple(
+        side
+        for side in ("left", "right")
+        if all(find_role(skeleton, joint.replace("@", side)) is None for joint in _ARM)
+    )
+
 
 _FALLBACKS = {"head_end": "head", "hand": "wrist", "toe": "ankle"}
 _NEXT = {"neck": "head", "head": "chest"}

@@ -26,6 +26,7 @@ from mgjax.avoidance.checks.bounds import MORE_LANES
 from mgjax.avoidance.checks.fast import CHECK_FRAMES, Poses, nearest_of
 from mgjax.avoidance.choice.search import bound, in_32_bits, search_one
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.parry.parry import compile_parrying
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.avoidance.refinement.refine import compile_refining
@@ -49,8 +50,8 @@ def warm_up(
 
     Args:
         graph: a motion graph with labelled avoidance parts.
-        config: settings; only the graph's tables, ``form``, ``d0``, ``capacity`` and
-            ``refine`` matter.
+        config: settings; only the graph's tables, ``form``, ``d0``, ``capacity``, ``refine`` and
+            ``parry`` matter.
         horizon: attacks that are over by then, s from now, are answered without compiling; so
             are those of walks of up to 160 edges.
         spheres: the most spheres of an attack.
@@ -74,7 +75,7 @@ def programs(
     """A call for each program of :func:`warm_up`, which compiles it.
 
     Those that nearly every attack needs come first: of short walks, then the checks, then of long
-    walks, and refinement last.
+    walks, and refinement and parries last.
     """
     config = config or AvoidanceConfig()
     prepared = prepared_for(graph, config)
@@ -101,6 +102,8 @@ def programs(
     refined = [partial(compile_refining, prepared, slot) for slot in slots]
     if config.refine == "off":
         refined = []
+    if config.parry == "on":
+        refined.append(partial(compile_parrying, prepared.graph))
     return [*short, *checks, *_feet_programs(prepared.graph, frames), *long, *refined]
 
 

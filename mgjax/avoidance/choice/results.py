@@ -7,6 +7,7 @@ from enum import StrEnum
 
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.energy.score import Energy
+from mgjax.avoidance.parry.parry import Parry
 from mgjax.avoidance.refinement.refinement import Refinement
 from mgjax.graph.walk import Walk
 
@@ -16,16 +17,18 @@ class Status(StrEnum):
 
     ``avoided``: the motion is clear of the attack throughout, by the exact check. ``hit``: there
     were candidates and every one of them is touched. ``no_candidate``: no avoidance part comes at
-    the right time.
+    the right time. ``parried``: nothing avoids it, and a forearm or a hand is the first and the
+    only thing that it touches, by the same check.
     """
 
     AVOIDED = "avoided"
     HIT = "hit"
     NO_CANDIDATE = "no_candidate"
+    PARRIED = "parried"
 
     @property
     def code(self) -> int:
-        """Its number in arrays: 0, 1 or 2."""
+        """Its number in arrays: 0 … 3."""
         return _CODES[self]
 
 
@@ -85,6 +88,8 @@ class Choice:
         crop: the part of the attack that counted for energies and timing, or None.
         refinement: how the motion of the walk is changed to be clear, or None where it is played as
             it is. Clearances are those of the changed motion, energies those of the walk.
+        parry: how an arm meets the attack, or None. The clearance is then that of the rest of the
+            body, with the sphere that is met ending at the contact.
     """
 
     status: Status
@@ -100,3 +105,4 @@ class Choice:
     clear_until: float | None = None
     crop: Crop | None = None
     refinement: Refinement | None = None
+    parry: Parry | None = None

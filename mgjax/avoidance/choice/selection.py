@@ -10,9 +10,11 @@ from typing import Literal
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.checks.written import SphereTrajectory, WrittenWalk, write_walk
 from mgjax.avoidance.choice.choosing import choose
+from mgjax.avoidance.choice.parrying import first_parried, others_of
 from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.index.protocol import CandidateIndex
+from mgjax.avoidance.parry.parry import Parry
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M, FAR
 from mgjax.avoidance.refinement.refine import change_written, refine_walks, retimed
@@ -64,7 +66,8 @@ def select(
     each is scaled in time to meet it (eq. 3) and judged by its energies (eq. 10). In the order of
     their energy they are checked exactly, by forward kinematics, against the whole attack, and the
     first that stays clear wins: as captured and as it is written, with its feet kept. What follows
-    its end is chosen so that it stays clear until ``settle_s`` after the attack.
+    its end is chosen so that it stays clear until ``settle_s`` after the attack. Where none does,
+    an arm may parry (``config.parry``; :func:`mgjax.avoidance.parry.parry.find_parry`).
 
     Args:
         graph: a motion graph with labelled avoidance parts, or what
@@ -94,7 +97,38 @@ def select(
     choice = choose(prepared, node, attack, config=config, seed=seed, as_written=as_written)
     if choice.status == Status.AVOIDED and made and made[0][0] is choice.walk:
         return _selection(prepared, attack, choice, made[0][1])
-    return write(prepared, attack, choice, config, begin)
+    selection = write(prepared, attack, choice, config, begin)
+    if config.parry == "off" or selection.status == Status.AVOIDED or selection.crop is None:
+        return selection
+    walks = [selection.walk, *others_of(prepared, node, attack, seed)]
+    found = first_parried(prepared, walks, attack, config, begin)
+    return selection if found is None else _parried(prepared, attack, selection, *found)
+
+
+def _parried(
+    prepared: Prepared,
+    attack: Attack,
+    selection: Selection,
+    number: int,
+    parry: Parry,
+    written: WrittenWalk,
+) -> Selection:
+    """The answer with an arm that meets the attack, on its own walk (number 0) or another."""
+    if number:
+        nothing = {"path_length": 0, "part": None, "time_scale": None, "energy": None}
+        timing = linear_warp(prepared.graph, written.walk)
+        selection = replace(selection, **nothing, timing=timing)
+    parried = replace(
+        selection,
+        status=Status.PARRIED,
+        parry=parry,
+        walk=written.walk,
+        motion=written.motion,
+        trace=written.trace,
+        clearance_m=parry.clearance_m,
+        clear_until=None,
+    )
+    return made_of(parried, prepared.graph, attack)
 
 
 def write(

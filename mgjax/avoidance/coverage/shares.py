@@ -25,6 +25,7 @@ def shares(result: Coverage, mask: Bool[np.ndarray, " B"]) -> dict[str, Any]:
         "avoided": avoided,
         "hit": int((status == Status.HIT.code).sum()),
         "no_candidate": int((status == Status.NO_CANDIDATE.code).sum()),
+        "parried": int((status == Status.PARRIED.code).sum()),
         "no_time_scale": int(unscaled.sum()),
     }
     kinds = np.bincount(result.kind[mask] + 1, minlength=len(result.kinds) + 1)[1:]
@@ -63,10 +64,11 @@ def _independent(result: Coverage, mask: Bool[np.ndarray, " B"]) -> float:
 
 
 def outcomes(result: Coverage) -> dict[str, Bool[np.ndarray, " B"]]:
-    """Which attacks were avoided, hit or had no candidate, and which kind avoided them."""
+    """Which attacks were avoided, hit, had no candidate or were parried, and by which kind."""
     status = result.answers.status
     named = {"avoided": status == Status.AVOIDED.code, "hit": status == Status.HIT.code}
     named["no_candidate"] = status == Status.NO_CANDIDATE.code
+    named["parried"] = status == Status.PARRIED.code
     return named | {f"kind/{kind}": result.kind == i for i, kind in enumerate(result.kinds)}
 
 

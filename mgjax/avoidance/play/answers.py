@@ -11,6 +11,7 @@ from jaxtyping import Float
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.play.clocks import Ticket
+from mgjax.avoidance.play.parried import Outcome
 from mgjax.avoidance.play.several_attacks import JointPath
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.graph.feet.course import FeetState
@@ -52,24 +53,27 @@ class Answer:
         number: of the attack, counted from 0.
         known: when it became known, s on the planner's clock.
         status: ``superseded``: a later attack came before this one's search had ended. Else by the
-            exact check of what was really played: ``hit`` or ``avoided``.
+            exact check of what was really played: ``hit``, ``avoided`` or ``parried``.
         search: how the search ended: as :class:`mgjax.avoidance.choice.choosing.Choice` says, or
             ``late``: not before the attack was over or a later one superseded it; ``committed``:
             there was none, as the attack is over before what is being played can be left.
         hit: the exact check of what was played, also for superseded attacks.
-        clearance_m: signed distance of attack and body over what was played since it was known.
+        clearance_m: signed distance of attack and body over what was played since it was known; of
+            the rest of the body if it was parried.
         restarts: how often an edge ended before the search.
         waited: seconds from its becoming known until a frame noticed the search's end, or None.
+        limb: that parried it, or None.
     """
 
     number: int
     known: float
-    status: Literal["avoided", "hit", "superseded"]
+    status: Literal["avoided", "hit", "superseded", "parried"]
     search: Status | Literal["late", "committed"]
     hit: bool
     clearance_m: float
     restarts: int
     waited: float | None
+    limb: str | None = None
 
 
 @dataclass(eq=False)
@@ -87,16 +91,18 @@ class Thrown:
     asked: Asked | None = field(default=None, repr=False)
 
 
-def answer_of(thrown: Thrown, gap: float) -> Answer:
-    """The answer to an attack, by how near it came to what was played, m."""
-    hit = gap < CLEAR_M
+def answer_of(thrown: Thrown, outcome: Outcome) -> Answer:
+    """The answer to an attack, by the check of what was played."""
+    hit = outcome.clearance < CLEAR_M
+    passed = "avoided" if outcome.limb is None else "parried"
     return Answer(
         number=thrown.number,
         known=thrown.known,
-        status="superseded" if thrown.superseded else "hit" if hit else "avoided",
+        status="superseded" if thrown.superseded else "hit" if hit else passed,
         search=thrown.search,
         hit=hit,
-        clearance_m=gap,
+        clearance_m=outcome.clearance,
         restarts=thrown.restarts,
         waited=thrown.waited,
+        limb=outcome.limb,
     )

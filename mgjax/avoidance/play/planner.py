@@ -15,7 +15,8 @@ from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.play.answers import Answer, Asked, Found, Thrown, answer_of
 from mgjax.avoidance.play.clocks import Clock, Searches, SimulatedClock, SimulatedSearches, Ticket
-from mgjax.avoidance.play.several_attacks import JointPath, find_path, played_clearance
+from mgjax.avoidance.play.parried import outcome_of
+from mgjax.avoidance.play.several_attacks import JointPath, find_path
 from mgjax.avoidance.play.timeline import PlacedChange, Timeline
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
@@ -45,7 +46,8 @@ class Planner:
     Later attacks: the newest one is searched for. One whose search has not ended is superseded. All
     that are still under way join the search: of the candidates for the newest the best that is
     clear of every one of them is taken; if there is none, the newest counts. A path that would be
-    hit replaces no other that is still being played.
+    hit replaces no other that is still being played. Where nothing avoids the newest an arm may
+    parry it (``config.parry``); such a path replaces another only if it is clear of all others.
 
     Every attack is answered once, when it is over, by the exact check of the motion as it was
     played. All methods are to be called from one thread; only :meth:`finish` and :meth:`close`
@@ -154,7 +156,7 @@ class Planner:
     def counts(self) -> dict[str, int]:
         """How many attacks there were; answered in which way; not yet; and how many hit at all."""
         found: dict[str, int] = {"attacks": self.attacks}
-        for status in ("avoided", "hit", "superseded"):
+        for status in ("avoided", "parried", "hit", "superseded"):
             found[status] = sum(answer.status == status for answer in self.answers)
         found["open"] = len(self._under_way)
         found["touched"] = sum(answer.hit for answer in self.answers)
@@ -244,15 +246,16 @@ class Planner:
 
     def _accept(self, thrown: Thrown, path: JointPath, now: float) -> None:
         thrown.search, thrown.waited = path.status, now - thrown.known
-        if path.walk is not None and (path.status == Status.AVOIDED or not self._plan):
+        good = path.status == Status.AVOIDED or (path.status == Status.PARRIED and path.joint)
+        if path.walk is not None and (good or not self._plan):
             walk = path.walk
             self._plan = deque(zip(walk.edges.tolist(), walk.scales.tolist(), strict=True))
             asked = thrown.asked
             assert asked is not None
             change = None
-            if path.refinement is not None:
+            if path.change is not None:
                 change = PlacedChange(
-                    refinement=path.refinement, begins=asked.begins, angle=float(asked.place[0])
+                    change=path.change, begins=asked.begins, angle=float(asked.place[0])
                 )
             self.timeline.change(change, asked.begins)
         if self._on_found is not None:
@@ -277,5 +280,5 @@ class Planner:
         since = max(thrown.known, thrown.attack.start)
         last = thrown.attack.end + 1 / EXPORT_RATE
         piece = self.timeline.between(since - 1 / EXPORT_RATE, last, feet=True)
-        call = partial(played_clearance, self._graph, piece, thrown.attack, since)
+        call = partial(outcome_of, self._graph, piece, thrown.attack, since)
         return self._searches.submit(now, call, search=False)

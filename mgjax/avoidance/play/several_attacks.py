@@ -6,27 +6,25 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.attacks.transform import in_frame, shifted
-from mgjax.avoidance.body.spheres import preset_spheres
+from mgjax.avoidance.attacks.transform import in_frame
 from mgjax.avoidance.checks.fast import clearance_between
-from mgjax.avoidance.checks.written import clearance, sphere_trajectory
 from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.continuation import continue_clear
+from mgjax.avoidance.choice.parrying import others_of
 from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.energy.evaluate import judge
-from mgjax.avoidance.play.timeline import Piece, PlacedChange, Timeline
+from mgjax.avoidance.parry.parry import Parry
+from mgjax.avoidance.play.parried import find_parried, played_clearance
+from mgjax.avoidance.play.timeline import Piece, PlacedChange, line_of
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import CLEAR_M, EXPORT_RATE
 from mgjax.avoidance.refinement.refine import refined_clearance
 from mgjax.avoidance.refinement.refinement import Refinement
 from mgjax.core.errors import AttackError
 from mgjax.graph.feet.course import FeetState
-from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk
 
 
@@ -40,6 +38,7 @@ class JointPath:
         walk: what to play; None if nothing avoids better than any other walk.
         joint: whether the walk is clear of the other attacks, too.
         choice: the answer to the newest attack alone; None if it is in the body already.
+        parry: how an arm meets the newest attack on the walk, or None.
         seconds: how long the search took.
     """
 
@@ -47,11 +46,17 @@ class JointPath:
     walk: Walk | None
     joint: bool
     choice: Choice | None = None
+    parry: Parry | None = None
     seconds: float = 0.0
 
     @property
+    def change(self) -> Refinement | Parry | None:
+        """What is done to the motion of the walk, if anything."""
+        return self.parry or self.refinement
+
+    @property
     def refinement(self) -> Refinement | None:
-        """How the walk is changed; None where it is not, or is another than the choice's."""
+        """How the walk is refined; None where it is not, or is another than the choice's."""
         if self.choice is None or self.walk is not self.choice.walk:
             return None
         return self.choice.refinement
@@ -70,7 +75,8 @@ def find_path(
     attacks.
 
     If the selected walk is not clear of the others, the best candidate takes its place that is; if
-    there is none the newest attack counts and the selected walk stays.
+    there is none the newest attack counts and the selected walk stays. Where nothing avoids the
+    newest an arm may parry it, if the settings say so.
 
     Args:
         prepared: of the graph.
@@ -97,13 +103,9 @@ def _find_path(
     feet: FeetState | None,
 ) -> JointPath:
     def as_written(choice: Choice) -> float:
-        line = Timeline(prepared.graph, node, feet=feet)
-        for edge, scale in zip(
-            choice.walk.edges.tolist(), choice.walk.scales.tolist(), strict=True
-        ):
-            line.append(edge, scale)
+        line = line_of(prepared.graph, node, choice.walk, feet)
         if choice.refinement is not None:
-            line.change(PlacedChange(refinement=choice.refinement, begins=0.0, angle=0.0), 0.0)
+            line.change(PlacedChange(change=choice.refinement, begins=0.0, angle=0.0), 0.0)
         piece = line.between(0.0, attack.end + 1 / EXPORT_RATE, feet=True)
         return played_clearance(prepared.graph, piece, attack, 0.0)
 
@@ -115,6 +117,15 @@ def _find_path(
     except AttackError:  # it is in the body where the path would begin
         return JointPath(status=Status.HIT, walk=None, joint=False)
     status = Status.HIT if touched else chosen.status
+    lost = chosen.status != Status.AVOIDED and chosen.crop is not None
+    if config.parry == "on" and lost and not touched:
+        walks = [chosen.walk, *others_of(prepared, node, attack, 0)]
+        parried = find_parried(prepared, node, walks, attack, config, feet)
+        if parried is not None:
+            walk, parry = parried
+            joint = _clear(prepared, walk, others)
+            found = {"walk": walk, "parry": parry, "joint": joint, "choice": chosen}
+            return JointPath(status=Status.PARRIED, **found)
     if chosen.status == Status.NO_CANDIDATE:
         return JointPath(status=status, walk=None, joint=False, choice=chosen)
     if chosen.refinement is None:
@@ -167,17 +178,3 @@ def _clear_of_all(
         if clear and _clear(prepared, played.walk, others):
             return played.walk
     return None
-
-
-def played_clearance(graph: MotionGraph, piece: Piece, attack: Attack, since: float) -> float:
-    """Signed distance of an attack of the world and what was played from ``since`` to its end, m.
-
-    The exact check of :mod:`mgjax.avoidance.checks.written` at the frames of the written motion,
-    which are counted from 0 s on the planner's clock.
-    """
-    first, last = int(np.floor(since * EXPORT_RATE)), int(np.ceil(attack.end * EXPORT_RATE))
-    times = np.arange(first, max(last, first + 1) + 1) / EXPORT_RATE
-    motion = piece.sample(graph, times)
-    spheres = preset_spheres(graph.skeleton)
-    trace = sphere_trajectory(graph, spheres, replace(motion, frame_rate=EXPORT_RATE))
-    return clearance(shifted(attack, first / EXPORT_RATE), trace, spheres.radii)[1]

@@ -11,6 +11,9 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
+from mgjax.avoidance.parry.course import turn_arm
+from mgjax.avoidance.parry.guard import guard_of
+from mgjax.avoidance.parry.parry import Parry
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.avoidance.refinement.refine import refiner_of
 from mgjax.avoidance.refinement.refinement import Refinement, change_motion
@@ -35,27 +38,35 @@ class PlayedFeet:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlacedChange:
-    """A refinement of what is played.
+    """A change of what is played.
 
     Attributes:
-        refinement: the change.
+        change: a refinement, or an arm that parries.
         begins: the moment from which its times are counted, s.
         angle: about the vertical, rad, from its frame to the world.
     """
 
-    refinement: Refinement
+    change: Refinement | Parry
     begins: float
     angle: float
 
     @property
     def start(self) -> float:
         """When it begins to show, s."""
-        return self.begins + self.refinement.start
+        return self.begins + self.change.start
 
     @property
     def stop(self) -> float:
         """When it no longer shows, s."""
-        return self.begins + self.refinement.stop
+        return self.begins + self.change.stop
+
+    def made(self, graph: MotionGraph, motion: Motion, times: Float[np.ndarray, " T"]) -> Motion:
+        """Poses at some times, s on the planner's clock, with the change."""
+        own, since = self.change, times - self.begins
+        if isinstance(own, Parry):
+            return turn_arm(motion, guard_of(graph).arm(own.side), since, own.values, own.start)
+        rig = refiner_of(graph).rig
+        return change_motion(rig, motion, since, own.values, own.start, angle=self.angle)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,7 +78,7 @@ class Piece:
         begins: when the first of them begins, s.
         start: planar frame of the body there, in the world. [3]
         feet: what the feet are off while it is played; None: the poses are as captured.
-        changes: refinements that show in it.
+        changes: refinements and parries that show in it.
     """
 
     walk: Walk
@@ -99,22 +110,15 @@ class Piece:
             states = at_times(self.feet.states, self.feet.times, times)
             motion = with_feet(graph, motion, states)
         for change in self.changes:
-            own = change.refinement
-            motion = change_motion(
-                refiner_of(graph).rig,
-                motion,
-                times - change.begins,
-                own.values,
-                own.start,
-                angle=change.angle,
-            )
+            motion = change.made(graph, motion, times)
         return motion
 
 
 class Timeline:
     """The edges that were played or are decided, in the world and on the planner's clock.
 
-    Beside them it has the refinements that were decided on, which show in all that is sampled.
+    Beside them it has the refinements and parries that were decided on, which show in all that is
+    sampled.
 
     The last stretch of an edge, of one frame, leads to the first pose of the edge that follows (as
     in :func:`mgjax.graph.walk.sample_walk`). So the next edge has to be known at ``deadline``, one
@@ -176,7 +180,7 @@ class Timeline:
         self.node = int(self.graph.edge_target[edge])
 
     def change(self, change: PlacedChange | None, since: float) -> None:
-        """Shows a refinement, if any, instead of all those that begin to show at ``since`` s."""
+        """Shows a change, if any, instead of all those that begin to show at ``since`` s."""
         self.changes = [c for c in self.changes if c.start < since]
         if change is not None:
             self.changes.append(change)
@@ -215,7 +219,7 @@ class Timeline:
 
     def walk(self) -> Walk:
         """The history as a walk; with ``start`` as its start it gives the poses that are shown,
-        but for refinements."""
+        but for refinements and parries."""
         return make_walk(self.graph, self.edges, self.scales)
 
     def _start_of(self, index: int) -> Float[np.ndarray, "3"]:
@@ -263,3 +267,11 @@ class Timeline:
 
     def _index(self, when: float) -> int:
         return min(max(bisect.bisect_right(self.starts, when) - 1, 0), len(self.edges) - 1)
+
+
+def line_of(graph: MotionGraph, node: int, walk: Walk, feet: FeetState | None = None) -> Timeline:
+    """The timeline of a walk that begins at 0 s, in the planar frame of its first node."""
+    line = Timeline(graph, node, feet=feet)
+    for edge, scale in zip(walk.edges.tolist(), walk.scales.tolist(), strict=True):
+        line.append(edge, scale)
+    return line

@@ -31,7 +31,7 @@ _RADII_M = {
 """Radii of the parts of an adult."""
 _FORE = ("forearm", "hand")
 """Parts of an arm that may come near the rest of the body."""
-_REST = ("torso", "pelvis", "head", "neck")
+KEPT_OUT = ("torso", "pelvis", "head", "neck")
 """Parts that they are kept away from."""
 
 _Part: TypeAlias = tuple[str, str]
@@ -184,7 +184,7 @@ def arm_clearance(
     """Distance of an arm's forearm and hand to torso, pelvis and head, m; negative inside."""
     pairs = zip(capsules.parts, capsules.arms, strict=True)
     arm = [i for i, (part, x) in enumerate(pairs) if x == side and part in _FORE]
-    rest = [i for i, part in enumerate(capsules.parts) if part in _REST]
+    rest = [i for i, part in enumerate(capsules.parts) if part in KEPT_OUT]
     chosen = capsule_pairs(capsules, [(i, j) for i in arm for j in rest])
     return np.asarray(pair_distances(chosen, positions)).min(axis=1)
 

@@ -126,7 +126,8 @@ def _centre(tree: Tree, limbs: Limbs, roles: dict[str, int]) -> dict[str, int]:
     hips = hips_of(tree, limbs)
     tops = [arm.top for arm in limbs.arms]
     tops = tops or [roles[f"{side}_shoulder"] for side in SIDES if f"{side}_shoulder" in roles]
-    tops = tops or [j for j, hint in enumerate(tree.hints) if hint.has("neck", "head")][:1]
+    if len(tops) < 2:  # one arm alone does not say where it leaves the trunk
+        tops += [j for j, hint in enumerate(tree.hints) if hint.has("neck", "head")][:1]
     if not tops:
         return {}
     chest = tree.common([tree.parents[top] for top in tops])

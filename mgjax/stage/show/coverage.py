@@ -53,6 +53,7 @@ def coverage_show(graph: MotionGraph, result: Coverage, *, title: str = "Coverag
         bars=[
             Bar(name=words, value=float(masks[name].mean()), colour=colour)
             for name, words, colour in _OUTCOMES
+            if name != "parried" or masks[name].any()
         ],
         notes=[
             *(("a ball", words) for _, _, words in LEVELS),
@@ -69,6 +70,7 @@ _OUTCOMES: tuple[tuple[str, str, Colour], ...] = (
     ("avoided", "avoided", "blue"),
     ("hit", "hit", "red"),
     ("no_candidate", "no candidate", "grey"),
+    ("parried", "parried", "orange"),
 )
 
 

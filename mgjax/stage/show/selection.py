@@ -24,8 +24,10 @@ def selection_show(
     """The motion of a selection, its attack, and why it was chosen.
 
     Time begins where the character has to react ("now"); places are in the planar frame of its pose
-    then.
+    then. An attack that is parried ends where it is met.
     """
+    if selection.parry is not None:
+        attack = selection.parry.left_of(attack)
     starts = selection.timing.when(natural_starts(graph, selection.walk))
     spans = edge_spans(graph, selection.walk, starts, path_length=selection.path_length)
     moments: list[tuple[str, float]] = [("now", 0.0)]
@@ -37,6 +39,8 @@ def selection_show(
         moments.append(("begins", first))
     if selection.crop is not None:
         moments.append(("ball passes", selection.crop.middle))
+    if selection.parry is not None:
+        moments.append(("parried", selection.parry.time))
     seconds = (selection.motion.num_frames - 1) / selection.motion.frame_rate
     energy = selection.energy
     return Show(
@@ -62,7 +66,8 @@ def part_words(graph: MotionGraph, part: int) -> str:
 def selection_words(graph: MotionGraph, choice: Choice) -> str:
     """What came of an attack, in one sentence."""
     kind = None if choice.part is None else part_words(graph, choice.part)
-    return avoided_words(choice.status, kind, choice.clearance_m)
+    limb = None if choice.parry is None else choice.parry.limb
+    return avoided_words(choice.status, kind, choice.clearance_m, limb)
 
 
 def selection_notes(choice: Choice) -> list[tuple[str, str]]:
@@ -75,6 +80,9 @@ def selection_notes(choice: Choice) -> list[tuple[str, str]]:
         notes.append(("time scale", f"{choice.time_scale:.2f}"))
     if choice.clearance_m is not None:
         notes.append(("clearance", f"{100 * choice.clearance_m:.1f} cm"))
+    if choice.parry is not None:
+        moved, turned = choice.parry.largest_m, choice.parry.largest_deg
+        notes.append(("arm led by", f"{100 * moved:.0f} cm, {turned:.0f}°"))
     if choice.clear_until is not None:
         notes.append(("clear until", f"{choice.clear_until:.2f} s"))
     return notes

@@ -20,6 +20,7 @@ from mgjax.stage.show.frames import frames_of
 from mgjax.stage.show.selection import attack_balls, part_words, selection_words
 from mgjax.stage.show.types import Actor, Ball, Show, Span
 from mgjax.stage.show.walk import floor_path
+from mgjax.stage.show.words import status_colour
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,9 +76,11 @@ def world_balls(graph: MotionGraph, motion: Motion, throw: Thrown, name: str) ->
         pose = sample(motion, np.array([throw.now * motion.frame_rate]))
         places, _ = forward(graph.skeleton, pose.root_translation, pose.local_rotations)
         frame = np.asarray(planar_frames(graph.skeleton, np.asarray(places)), np.float64)[0]
+    parry = throw.selection.parry
+    attack = throw.attack if parry is None else parry.left_of(throw.attack)
     return [
         replace(ball, places=np.asarray(planar.apply(frame, ball.places)))
-        for ball in attack_balls(throw.attack, name=name, now=throw.now)
+        for ball in attack_balls(attack, name=name, now=throw.now)
     ]
 
 
@@ -87,7 +90,7 @@ def _spans(graph: MotionGraph, throw: Thrown) -> list[Span]:
     if chosen.part is not None:
         captured = part_moments(graph, chosen.walk, chosen.path_length, chosen.part)
         first, _, last = (throw.now + float(t) for t in chosen.timing.when(captured))
-        colour = "green" if chosen.status == "avoided" else "red"
+        colour = status_colour(chosen.status)
         text = part_words(graph, chosen.part)
         spans.append(Span(row="avoidance", start=first, end=last, text=text, colour=colour))
     if chosen.crop is not None:

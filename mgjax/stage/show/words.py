@@ -18,19 +18,30 @@ _NEAR_M = 2.0
 """Farther away nobody cares how far."""
 
 
-def avoided_words(status: str, kind: str | None, clearance_m: float | None) -> str:
+def avoided_words(
+    status: str, kind: str | None, clearance_m: float | None, limb: str | None = None
+) -> str:
     """One sentence.
 
     Args:
-        status: ``avoided``, ``hit`` or ``no_candidate``.
+        status: ``avoided``, ``hit``, ``no_candidate`` or ``parried``.
         kind: of the avoidance, such as ``duck``; None without one.
         clearance_m: from the attack to the body, negative where it is hit.
+        limb: that parries, such as ``left_forearm``.
     """
+    if status == "parried" and limb is not None:
+        return f"parried with the {limb.replace('_', ' ')}: nothing avoids it"
     if status == "no_candidate" or kind is None or clearance_m is None:
         return "no candidate: no avoidance part comes at the right time"
     if status == "hit":
         return f"hit, {length_words(-clearance_m)} deep, in spite of {kind}"
     return f"avoided by {kind}, {length_words(clearance_m)} clear"
+
+
+def status_colour(status: str) -> Colour:
+    """Green what is avoided, orange what is parried, red the rest."""
+    known: dict[str, Colour] = {"avoided": "green", "parried": "orange"}
+    return known.get(status, "red")
 
 
 def length_words(metres: float) -> str:

@@ -24,7 +24,7 @@ from mgjax.pictures.coverage import coverage_figure
 SMALL: dict[str, Any] = {
     "directions": 4, "heights": (1.4, 0.3), "arrivals": (1.2, 0.9), "nodes": 9, "seed": 3,
 }  # fmt: skip
-AVOIDED, HIT, NO_CANDIDATE = (status.code for status in Status)
+AVOIDED, HIT, NO_CANDIDATE, PARRIED = (status.code for status in Status)
 
 
 def settings(**changes: Any) -> dict[str, Any]:
@@ -158,6 +158,11 @@ def test_shares_by_hand() -> None:
     np.testing.assert_array_equal(got, [[0.5, np.nan], [np.nan, 0.0]])
     assert interval(0.8, 10) == [0.4902, 0.9433]
     assert interval(0.0, 5)[0] == 0.0
+    # What is parried is told apart, and is no avoidance.
+    met = made([AVOIDED, PARRIED, HIT, HIT], [0, 0, 1, 1], [0, 0, 1, 1])
+    told = shares(met, np.ones(4, bool))
+    assert (told["avoided"], told["parried"], told["hit"]) == (0.25, 0.25, 0.5)
+    assert outcomes(met)["parried"].tolist() == [False, True, False, False]
 
 
 def test_attacks_at_one_node_count_less() -> None:

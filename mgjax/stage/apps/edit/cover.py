@@ -107,7 +107,7 @@ def coverage_map(found: Coverage) -> dict[str, Any]:
         **counts,
         "sentence": f"{len(found)} balls at {found.speed:g} m/s: {total['avoided']:.0%} avoided"
         f" (95 %: {low:.0%} … {high:.0%}), {total['hit']:.0%} hit, {total['no_candidate']:.0%}"
-        " without candidate",
+        " without candidate" + (f", {total['parried']:.0%} parried" if total["parried"] else ""),
         "kinds": [[kind, float(share)] for kind, share in kinds if share > 0],
     }
 

@@ -25,6 +25,8 @@ from mgjax.stage.serve.session import Message, Send
 
 LONGEST_KIND = 40
 MOST_FRAMES = 10**9
+_TONES = {"avoided": "good", "parried": "plain"}
+"""How it is said what came of a throw; all else is bad."""
 
 
 class EditSession:
@@ -214,4 +216,4 @@ class EditSession:
         self._throws[cell] = turn + 1
         show = throw_show(graph, attack, selection, what)
         self._send(show_message(show, of="throw", direction=cell[0], height=cell[1]))
-        self._send(sentence(show.words, "good" if selection.status == "avoided" else "bad"))
+        self._send(sentence(show.words, _TONES.get(selection.status, "bad")))

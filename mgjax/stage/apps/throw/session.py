@@ -167,7 +167,7 @@ class ThrowSession:
             note |= {"event": "answer", "words": words, "tone": tone}
             note |= {"late": throw.answer.search == "late", "hit": throw.answer.hit}
             if lane.number == 0:
-                self._series.note(not throw.answer.hit)
+                self._series.note(not throw.answer.hit and throw.answer.limb is None)
         elif throw.found is not None:
             note |= {"event": "found", "words": expected(graph, throw.found), "tone": "busy"}
         if throw.found is not None:

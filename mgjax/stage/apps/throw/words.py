@@ -22,6 +22,10 @@ def expected(graph: MotionGraph, found: Found) -> str:
     """What a search found, before the ball is there."""
     choice, path = found.path.choice, found.path
     took = f"{1000 * path.seconds:.1f} ms"
+    if path.parry is not None:
+        return (
+            f"will parry with the {path.parry.limb.replace('_', ' ')}: nothing avoids it ({took})"
+        )
     if choice is None or choice.part is None:
         return f"no candidate: no avoidance part comes at the right time ({took})"
     kind = kind_of(graph, choice.part)
@@ -42,6 +46,8 @@ def outcome(
     if answer.hit:
         where = "" if contact is None else f" on the {contact.part}"
         return f"hit{where}, {length_words(-gap)} deep: {_why_hit(answer, kind)}{took}", "bad"
+    if answer.limb is not None:
+        return f"parried with the {answer.limb.replace('_', ' ')}{took}", "good"
     if answer.status == "superseded":
         return f"the next ball came first; this one passed {length_words(gap)}", "plain"
     if answer.search == "avoided":

@@ -15,7 +15,7 @@ from mgjax.stage.show.frames import frames_of
 from mgjax.stage.show.standing import standing
 from mgjax.stage.show.types import Actor, Ball, Bar, Show, Span
 from mgjax.stage.show.walk import floor_path
-from mgjax.stage.show.words import DROPPED, avoided_words, energy_bars
+from mgjax.stage.show.words import DROPPED, avoided_words, energy_bars, status_colour
 
 _ABSENT_M = 500.0
 """A sphere that is not there is written as 1 km away."""
@@ -33,6 +33,8 @@ def avoid_folder(path: Path, result: dict[str, Any]) -> Show:
         moments.append(("begins", first))
     if result["attack"] is not None:
         moments.append(("ball passes", float(result["attack"]["t_attack"])))
+    if result.get("parry"):
+        moments.append(("parried", float(result["parry"]["time_s"])))
     return Show(
         title="A throw",
         words=result_words(result),
@@ -65,7 +67,7 @@ def demo_folder(path: Path, result: dict[str, Any]) -> Show:
         ]
         if row["part"] is not None:
             part, now = row["part"], float(row["now_s"])
-            colour = "green" if row["status"] == "avoided" else "red"
+            colour = status_colour(row["status"])
             spans.append(
                 Span(
                     row="avoidance", start=now + part["start_s"], end=now + part["end_s"],
@@ -94,7 +96,8 @@ def kind_of(part: dict[str, Any]) -> str:
 def result_words(result: dict[str, Any]) -> str:
     """The sentence of :func:`mgjax.stage.show.words.avoided_words`."""
     kind = None if result["part"] is None else kind_of(result["part"])
-    return avoided_words(result["status"], kind, result["clearance_m"])
+    limb = result["parry"]["limb"] if result.get("parry") else None
+    return avoided_words(result["status"], kind, result["clearance_m"], limb)
 
 
 def bars_of(energy: dict[str, Any] | None) -> list[Bar]:

@@ -80,13 +80,13 @@ export function createCoverageMap(parent, { onThrow }) {
       const rows = map.heights.length;
       for (const [key, cell] of cells) {
         const [n, h] = key.split(' ').map(Number);
-        const [avoided, hit, none] = [map.avoided, map.hit, map.no_candidate].map((array) => array[n * rows + h]);
-        const balls = avoided + hit + none;
+        const [avoided, hit, none, parried] = [map.avoided, map.hit, map.no_candidate, map.parried].map((array) => array[n * rows + h]);
+        const balls = avoided + hit + none + parried;
         const share = balls ? avoided / balls : 0;
         cell.textContent = balls ? Math.round(100 * share) : '–';
         cell.style.background = shade(share);
         cell.style.color = share > 0.8 || share < 0.12 ? '#fff' : '#1d2329';
-        cell.title = `From ${cell.dataset.from}: ${avoided} of ${balls} balls avoided, ${hit} hit, ${none} without candidate. Click to see one.`;
+        cell.title = `From ${cell.dataset.from}: ${avoided} of ${balls} balls avoided, ${hit} hit, ${none} without candidate${parried ? `, ${parried} parried` : ''}. Click to see one.`;
         cell.setAttribute('aria-label', cell.title);
       }
     },

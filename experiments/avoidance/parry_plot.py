@@ -1,0 +1,88 @@
+"""Film strips of parries: the body and the ball at some moments around the contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from experiments.quality.strips import surface
+from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.choice.selection import Selection
+from mgjax.core.motion import sample
+from mgjax.core.skeleton import Skeleton
+from mgjax.stage.show.body import body_of
+from mgjax.stage.show.frames import frames_of
+from mgjax.stage.still import skinned
+
+MOMENTS_S = (-0.42, -0.3, -0.2, -0.1, -0.04, 0.0, 0.12, 0.3, 0.58)
+"""From the contact."""
+APART_M = 1.25
+_BODY, _MET, _BALL = "#4b5563", "#c0392b", "#d97706"
+_TURN = np.radians(25)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Strip:
+    """A parry that is drawn."""
+
+    title: str
+    attack: Attack
+    selection: Selection
+
+
+def strips_figure(skeleton: Skeleton, strips: Sequence[Strip]) -> Figure:
+    """Each parry in a row; the red body is in contact."""
+    rows = max(len(strips), 1)
+    figure = Figure(figsize=(15, 2.9 * rows), layout="constrained")
+    for axes, strip in zip(figure.subplots(rows, squeeze=False)[:, 0], strips, strict=False):
+        _bodies(axes, skeleton, strip)
+    return figure
+
+
+def _bodies(axes: Axes, skeleton: Skeleton, strip: Strip) -> None:
+    """Seen a little from ahead of the ball, which comes from the left."""
+    motion, parry = strip.selection.motion, strip.selection.parry
+    assert parry is not None
+    rate = motion.frame_rate
+    moments = parry.time + np.array(MOMENTS_S)
+    shown = np.clip(moments, 0, (motion.num_frames - 1) / rate)
+    poses = sample(motion, shown * rate)
+    body, played = body_of(skeleton), frames_of(poses, rate=rate)
+    triangles = body.mesh.triangles.astype(int)
+    middle = np.asarray(sample(motion, np.array([parry.time * rate])).root_translation)[0]
+    across, towards = _eye(strip.attack, parry.sphere, parry.time)
+    balls = strip.attack.at(moments)[:, parry.sphere]
+    radius = float(strip.attack.radii[parry.sphere])
+    for slot, time in enumerate(moments.tolist()):
+        places = skinned(body, played, slot) - middle * [1, 0, 1]
+        flat = np.stack([places @ across + APART_M * slot, places[:, 1], places @ towards], axis=-1)
+        met = MOMENTS_S[slot] == 0
+        surface(axes, flat, triangles, _MET if met else _BODY, 10 * slot)
+        ball = balls[slot] - middle * [1, 0, 1]
+        if MOMENTS_S[slot] <= 0 and abs(ball @ across) < APART_M:
+            at = (float(ball @ across) + APART_M * slot, float(ball[1]))
+            front = float(ball @ towards) > float(flat[:, 2].mean())
+            order = 10 * slot + (15 if front else 5)
+            axes.add_patch(Circle(at, radius, color=_BALL, alpha=0.85, zorder=order))
+        axes.text(
+            APART_M * slot, -0.16, f"{1000 * (time - parry.time):+.0f} ms", fontsize=7, ha="center"
+        )
+    axes.axhline(0, color="#999999", linewidth=0.6)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.set_title(strip.title, fontsize=9, loc="left")
+    axes.autoscale_view()
+
+
+def _eye(attack: Attack, sphere: int, time: float) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vectors of the floor: to the right of the picture, and towards the eye."""
+    step = np.diff(attack.at(np.array([time - 0.05, time]))[:, sphere], axis=0)[0] * [1, 0, 1]
+    way = step / max(float(np.linalg.norm(step)), 1e-9)
+    side = np.cross(way, [0.0, 1.0, 0.0])
+    across = np.cos(_TURN) * way + np.sin(_TURN) * side
+    return across, np.cross(across, [0.0, 1.0, 0.0])
