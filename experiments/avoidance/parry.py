@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from experiments.avoidance.attack_strips import Strip, spread, strips_figure
 from experiments.avoidance.graphs import built, graph_of
-from experiments.avoidance.parry_plot import Strip, strips_figure
 from experiments.avoidance.throws import (
     OUTCOMES,
     arriving_in,
@@ -32,6 +32,7 @@ from mgjax.avoidance.choice.selection import Selection, select
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.parry.checked import met, track_of
 from mgjax.avoidance.parry.guard import guard_of
+from mgjax.avoidance.parry.parry import Parry
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
 from mgjax.io.bvh.write import save_bvh
@@ -75,10 +76,10 @@ def run(config: Config) -> Results:
         row, found = _measured(config, graph, arrives)
         rows.append(row)
         drawn += found
-    chosen = [drawn[k] for k in _spread(len(drawn), config.strips)]
+    chosen = [drawn[k] for k in spread(len(drawn), config.strips)]
 
     def strips() -> Figure:
-        return strips_figure(graph.skeleton, chosen)
+        return strips_figure(chosen)
 
     return Results(
         metrics={"rows": rows, "drawn": [strip.title for strip in chosen]},
@@ -94,6 +95,8 @@ def _measured(
     throws = arriving_in(standard_throws(config.balls, config.seed), arrives)
     counts: dict[str, int] = dict.fromkeys(OUTCOMES, 0)
     strips: list[Strip] = []
+    parries: list[Parry] = []
+    checks: list[float | None] = []
     for number in range(len(throws)):
         attack, node = throws.attack(number), throws.node_of(number, graph)
         try:
@@ -107,9 +110,18 @@ def _measured(
                 f"ball {number}, there in {arrives:g} s: {chosen.parry.limb.replace('_', ' ')},"
                 f" {100 * chosen.parry.largest_m:.0f} cm, {chosen.parry.largest_deg:.0f}°"
             )
-            strips.append(Strip(title=title, attack=attack, selection=chosen))
-    parries = [s.selection.parry for s in strips if s.selection.parry is not None]
-    checks = [in_file(graph, strip.attack, strip.selection) for strip in strips]
+            strips.append(
+                Strip(
+                    title=title,
+                    skeleton=graph.skeleton,
+                    motion=chosen.motion,
+                    attack=attack,
+                    time=chosen.parry.time,
+                    sphere=chosen.parry.sphere,
+                )
+            )
+            parries.append(chosen.parry)
+            checks.append(in_file(graph, attack, chosen))
     row = {
         "arrives": arrives,
         **counts,
@@ -142,13 +154,6 @@ def in_file(graph: MotionGraph, attack: Attack, selection: Selection) -> float |
     if found is None or found.limb != parry.limb:
         return None
     return abs(found.contact.time - parry.time)
-
-
-def _spread(count: int, wanted: int) -> list[int]:
-    """Numbers spread evenly over all."""
-    if not count:
-        return []
-    return sorted(set(np.linspace(0, count - 1, min(wanted, count)).round().astype(int).tolist()))
 
 
 def _line(row: dict[str, Any]) -> str:

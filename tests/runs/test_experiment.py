@@ -206,6 +206,7 @@ SLOW = (
     "experiments.avoidance.minimal_movement",
     "experiments.avoidance.parry",
     "experiments.avoidance.reaction_time",
+    "experiments.avoidance.refining",
     "experiments.avoidance.success",
     "experiments.avoidance.sweep",
     "experiments.avoidance.table1",

@@ -1,4 +1,4 @@
-"""Film strips of parries: the body and the ball at some moments around the contact."""
+"""Film strips of answers: the body and the ball around the moment at which they are nearest."""
 
 from __future__ import annotations
 
@@ -12,15 +12,14 @@ from matplotlib.patches import Circle
 
 from experiments.quality.strips import surface
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.choice.selection import Selection
-from mgjax.core.motion import sample
+from mgjax.core.motion import Motion, sample
 from mgjax.core.skeleton import Skeleton
 from mgjax.stage.show.body import body_of
 from mgjax.stage.show.frames import frames_of
 from mgjax.stage.still import skinned
 
 MOMENTS_S = (-0.42, -0.3, -0.2, -0.1, -0.04, 0.0, 0.12, 0.3, 0.58)
-"""From the contact."""
+"""From the moment that matters."""
 APART_M = 1.25
 _BODY, _MET, _BALL = "#4b5563", "#c0392b", "#d97706"
 _TURN = np.radians(25)
@@ -28,36 +27,53 @@ _TURN = np.radians(25)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Strip:
-    """A parry that is drawn."""
+    """An answer that is drawn.
+
+    Attributes:
+        title: above it.
+        skeleton, motion: the body.
+        attack: what comes.
+        time: the moment that matters, s.
+        sphere: of the attack that is looked at.
+    """
 
     title: str
+    skeleton: Skeleton
+    motion: Motion
     attack: Attack
-    selection: Selection
+    time: float
+    sphere: int = 0
 
 
-def strips_figure(skeleton: Skeleton, strips: Sequence[Strip]) -> Figure:
-    """Each parry in a row; the red body is in contact."""
+def strips_figure(strips: Sequence[Strip]) -> Figure:
+    """Each answer in a row; the red body is that of the moment that matters."""
     rows = max(len(strips), 1)
     figure = Figure(figsize=(15, 2.9 * rows), layout="constrained")
     for axes, strip in zip(figure.subplots(rows, squeeze=False)[:, 0], strips, strict=False):
-        _bodies(axes, skeleton, strip)
+        _bodies(axes, strip)
     return figure
 
 
-def _bodies(axes: Axes, skeleton: Skeleton, strip: Strip) -> None:
+def spread(count: int, wanted: int) -> list[int]:
+    """Numbers spread evenly over all."""
+    if not count:
+        return []
+    return sorted(set(np.linspace(0, count - 1, min(wanted, count)).round().astype(int).tolist()))
+
+
+def _bodies(axes: Axes, strip: Strip) -> None:
     """Seen a little from ahead of the ball, which comes from the left."""
-    motion, parry = strip.selection.motion, strip.selection.parry
-    assert parry is not None
+    motion = strip.motion
     rate = motion.frame_rate
-    moments = parry.time + np.array(MOMENTS_S)
+    moments = strip.time + np.array(MOMENTS_S)
     shown = np.clip(moments, 0, (motion.num_frames - 1) / rate)
     poses = sample(motion, shown * rate)
-    body, played = body_of(skeleton), frames_of(poses, rate=rate)
+    body, played = body_of(strip.skeleton), frames_of(poses, rate=rate)
     triangles = body.mesh.triangles.astype(int)
-    middle = np.asarray(sample(motion, np.array([parry.time * rate])).root_translation)[0]
-    across, towards = _eye(strip.attack, parry.sphere, parry.time)
-    balls = strip.attack.at(moments)[:, parry.sphere]
-    radius = float(strip.attack.radii[parry.sphere])
+    middle = np.asarray(sample(motion, np.array([strip.time * rate])).root_translation)[0]
+    across, towards = _eye(strip.attack, strip.sphere, strip.time)
+    balls = strip.attack.at(moments)[:, strip.sphere]
+    radius = float(strip.attack.radii[strip.sphere])
     for slot, time in enumerate(moments.tolist()):
         places = skinned(body, played, slot) - middle * [1, 0, 1]
         flat = np.stack([places @ across + APART_M * slot, places[:, 1], places @ towards], axis=-1)
@@ -70,7 +86,7 @@ def _bodies(axes: Axes, skeleton: Skeleton, strip: Strip) -> None:
             order = 10 * slot + (15 if front else 5)
             axes.add_patch(Circle(at, radius, color=_BALL, alpha=0.85, zorder=order))
         axes.text(
-            APART_M * slot, -0.16, f"{1000 * (time - parry.time):+.0f} ms", fontsize=7, ha="center"
+            APART_M * slot, -0.16, f"{1000 * (time - strip.time):+.0f} ms", fontsize=7, ha="center"
         )
     axes.axhline(0, color="#999999", linewidth=0.6)
     axes.set_aspect("equal")
