@@ -7,6 +7,8 @@ run at the same time, or deleted.
 
 from __future__ import annotations
 
+import contextlib
+import os
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -61,6 +63,8 @@ class StageStore:
             self.spoiled.append(path)
             return None
         self.found[stage] += 1
+        with contextlib.suppress(OSError):  # removed by another build
+            os.utime(path)
         return arrays, plain
 
     def save(
@@ -86,6 +90,20 @@ class StageStore:
         own = {"version": self._version, "content": content_key(arrays)}
         save_arrays(path, arrays, {**(plain or {}), **own})
         self.made[stage] += 1
+
+    def trim(self, size: int) -> None:
+        """Removes the files that were used longest ago until so many bytes are left."""
+        files = []
+        for path in self.folder.glob("*/*.safetensors"):
+            with contextlib.suppress(OSError):
+                at = path.stat()
+                files.append((at.st_mtime, at.st_size, path))
+        left = sum(each[1] for each in files)
+        for _, own, path in sorted(files):
+            if left <= size:
+                return
+            path.unlink(missing_ok=True)
+            left -= own
 
     def notes(self) -> list[str]:
         """A line on files that could not be used, if there are any."""

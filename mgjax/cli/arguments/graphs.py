@@ -40,6 +40,15 @@ class Build(KnownReading):
     """Leave out the grid index, from which candidates of an avoidance are looked up."""
     html: bool = False
     """Also write index.html, a page that plays a random walk over the graph."""
+    work: Path | None = None
+    """Folder that keeps finished stages: a build that ended goes on, and one with more clips does
+    only what is new. Default: the cache folder, of large input only."""
+    executor: Literal["serial", "threads", "processes", "ray"] | None = None
+    """Where stages are computed: in this process, its threads, processes, a Ray cluster."""
+    workers: int | None = None
+    """How many threads, processes or Ray workers; default: as many as processors."""
+    address: str | None = None
+    """Of a running Ray cluster, for --executor ray; default: one of this machine for the build."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import jax
 import numpy as np
 
+from mgjax.core.content_key import content_key
 from mgjax.core.parallel.executors import SerialExecutor
 from mgjax.graph.distances.pruned import TILE
 from mgjax.io.stages import StageStore
 
-FORMAT = 1
-"""Raised when a stage computes something else of the same input."""
+PROGRAMS = ("core", "io", "clips", "graph")
+"""Folders of this package whose programs make stage files."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,9 +56,19 @@ class Stages:
 
 
 def stage_store(folder: str | Path) -> StageStore:
-    """The folder of stage files of a graph's build: for this version of the programs.
+    """The folder of stage files of a graph's build.
+
+    They are of this version: of the text of the programs, of jax and of its backend. So no file
+    outlives a change of what would be computed.
 
     Raises:
         OutputError: nothing can be written there.
     """
-    return StageStore(folder, f"{FORMAT}, jax {jax.__version__}, {jax.default_backend()}")
+    return StageStore(folder, f"{_programs()}, jax {jax.__version__}, {jax.default_backend()}")
+
+
+@cache
+def _programs() -> str:
+    package = Path(__file__).parents[2]
+    files = sorted(file for name in PROGRAMS for file in (package / name).rglob("*.py"))
+    return content_key([(f.relative_to(package).as_posix(), f.read_bytes()) for f in files])
