@@ -70,7 +70,12 @@ def run(command: Build) -> None:
         report["readings"] = readings
         report["seconds"] = {"read": round(read - begin, 4), **report["seconds"]}
         result = write_graph_folder(
-            folder, graph, begin=begin, index=not command.no_index, progress=progress
+            folder,
+            graph,
+            begin=begin,
+            index=not command.no_index,
+            progress=progress,
+            store=None if stages is None else stages.store,
         )
         if command.html:
             walk = random_walk(graph, int(graph.edge_source[0]), WALK_S, 0)

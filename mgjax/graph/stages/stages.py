@@ -17,7 +17,7 @@ from mgjax.core.parallel.executors import SerialExecutor
 from mgjax.graph.distances.pruned import TILE
 from mgjax.io.stages import StageStore
 
-PROGRAMS = ("core", "io", "clips", "graph")
+PROGRAMS = ("core", "io", "clips", "graph", "avoidance")
 """Folders of this package whose programs make stage files."""
 
 
