@@ -56,6 +56,7 @@ def run(command: Build) -> None:
             name=command.executor,
             workers=command.workers,
             address=command.address,
+            device=command.device,
         ) as stages:
             graph = build_graph(
                 clips,

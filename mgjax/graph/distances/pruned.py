@@ -130,6 +130,8 @@ def search_pruned(
     projected, longest = project(axis, count * TILE + reach, TILE, components)
     bounds = jnp.asarray(projected[:, reach:])
     features = lru_cache(maxsize=_TILES_KEPT)(partial(_features, axis))
+    # Of the thread that asks, for those of the pool.
+    device = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]
 
     def compare(first: int, second: int, numbers: np.ndarray, rows: bool) -> np.ndarray:
         """Pairs of blocks: as rows and columns, or as columns and rows. [4, M]"""
@@ -187,10 +189,14 @@ def search_pruned(
             axis=1,
         )
 
+    def there(pair: tuple[int, int]) -> np.ndarray:
+        with jax.default_device(device):
+            return search(pair)
+
     if pairs is None:
         pairs = [(i, j) for i in range(count) for j in range(i, count)]
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        futures = [pool.submit(search, pair) for pair in pairs]
+        futures = [pool.submit(there, pair) for pair in pairs]
         try:
             found = [futures[k].result() for k, _ in enumerate(watched(list(pairs)))]
             return np.concatenate([np.zeros((4, 0)), *found], axis=1)

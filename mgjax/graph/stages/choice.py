@@ -26,26 +26,35 @@ def build_stages(
     name: Name | None = None,
     workers: int | None = None,
     address: str | None = None,
+    device: str | None = None,
 ) -> Iterator[Stages | None]:
     """The stages of a build, or None for one in one piece: of small input, if nothing is asked for.
 
     Args:
         frames: of all clips, as captured.
         store: where stages are kept; None: in the cache folder if there is much to lose.
-        name, workers, address: of :func:`mgjax.core.parallel.executors.executor`; by default
-            threads, or so many processes as ``workers`` says.
+        name, workers, address, device: of :func:`mgjax.core.parallel.executors.executor`; by
+            default threads, devices where a ``device`` is named, or so many processes as
+            ``workers`` says.
 
     Raises:
         ConfigError: an executor that cannot be.
         OutputError: the cache folder cannot be written.
     """
-    asked = name is not None or workers is not None or address is not None
+    asked = any(each is not None for each in (name, workers, address, device))
     if not asked and store is None and frames < LARGE:
         yield None
         return
     own = stage_store(cache_folder() / "stages") if store is None and frames >= LARGE else None
-    default: Name = "threads" if workers is None and address is None else "processes"
-    with executor(name or default, workers, address) as made:
+    with executor(name or _default(workers, address, device), workers, address, device) as made:
         yield Stages(executor=made, store=store or own)
     if own is not None:
         own.trim(KEPT_BYTES)
+
+
+def _default(workers: int | None, address: str | None, device: str | None) -> Name:
+    if device is not None:
+        return "devices"
+    if address is not None:
+        return "ray"
+    return "threads" if workers is None else "processes"

@@ -87,6 +87,8 @@ def test_a_worker_that_ends_is_one_clear_line(error, said):
     [
         (("serial", 0), "got 0 workers, expected 1 or more"),
         (("processes", 1, "auto"), "got an address for processes, expected one for ray only"),
+        (("serial", 1, None, "cpu"), "got a device for serial, expected one for devices only"),
+        (("devices", 1, None, "abacus"), "got device 'abacus', expected one that jax sees: cpu"),
     ],
 )
 def test_what_is_no_executor(arguments, said):
@@ -95,6 +97,6 @@ def test_what_is_no_executor(arguments, said):
 
 
 def test_executors_of_this_process():
-    for name in ("serial", "threads"):
+    for name in ("serial", "threads", "devices"):
         with executor(name, 2) as made:
             assert made.submit(square, 3).result() == 9

@@ -57,6 +57,51 @@ def test_a_killed_build_goes_on_where_it_was(made, tmp_path):
     assert_same_graph(build_graph(made[0], labels=made[1], stages=Stages()), graph)
 
 
+DEVICES = """
+import sys
+import tests.conftest
+import jax
+from tests.graph.made import made_clips
+from mgjax.core.parallel.executors import executor
+from mgjax.graph.build import build_graph
+from mgjax.graph.distances import pruned
+from mgjax.graph.files import save_graph
+from mgjax.graph.stages.stages import Stages
+
+opened, used = pruned.open_blocks, set()
+
+
+def watched(rows, *rest, **more):
+    found = opened(rows, *rest, **more)
+    used.add(found.device)
+    return found
+
+
+pruned.open_blocks = watched
+clips, labels = made_clips()
+with executor("devices", device="cpu") as pool:
+    graph = build_graph(clips, labels=labels, stages=Stages(executor=pool, entries=200))
+assert len(jax.devices()) == 3
+assert used == set(jax.devices()), used
+save_graph(sys.argv[1], graph)
+"""
+
+
+@pytest.mark.long
+def test_several_devices_make_the_same_graph(made, tmp_path):
+    flags = f"{os.environ.get('XLA_FLAGS', '')} --xla_force_host_platform_device_count=3"
+    child = subprocess.run(
+        [sys.executable, "-c", DEVICES, tmp_path / "graph"],
+        env={**os.environ, "XLA_FLAGS": flags},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert child.returncode == 0, child.stderr
+    want = build_graph(made[0], labels=made[1], stages=Stages())
+    assert_same_graph(want, load_graph(tmp_path / "graph"))
+
+
 def ends(_: object) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
