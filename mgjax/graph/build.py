@@ -148,10 +148,10 @@ def build_graph(
     with clock.step("prune"):
         candidates, rows, columns = _candidates(timeline, minima, allowed, window, config)
         largest = minima.largest / scale
-        threshold = _threshold(candidates, largest, config)
-        count = int(np.searchsorted(candidates.distances, threshold, side="left"))
-        component = largest_component(candidates, count)
-        if not component.frames:
+        threshold, kept = steps.kept(
+            (candidates, largest), lambda: _kept(candidates, largest, config)
+        )
+        if not len(kept):
             every = steps.minima(float("inf"), clock.within("prune"))
             beyond = _candidates(timeline, every, allowed, window, config)[0]
             raise _nothing_left(beyond, threshold, largest, config)
@@ -162,7 +162,6 @@ def build_graph(
         except SkeletonError as error:
             if config.clean_feet:
                 notes.append(f"feet not cleaned: {error}")
-        kept = np.flatnonzero(component.kept)
         blended = steps.transitions(rows[kept], columns[kept], chains, clock.within("transitions"))
     if stages is not None:
         notes += stages.notes()
@@ -258,6 +257,15 @@ def _candidates(
         label_stops=timeline.core_stops,
     )
     return candidates, rows[ok], columns[ok]
+
+
+def _kept(candidates: Candidates, largest: float, config: GraphConfig) -> tuple[float, np.ndarray]:
+    """The threshold for an adult, m, and which candidates below it the largest component has; none
+    if it has no motion."""
+    threshold = _threshold(candidates, largest, config)
+    count = int(np.searchsorted(candidates.distances, threshold, side="left"))
+    component = largest_component(candidates, count)
+    return threshold, np.flatnonzero(component.kept) if component.frames else np.zeros(0, np.int64)
 
 
 def _threshold(candidates: Candidates, largest: float, config: GraphConfig) -> float:

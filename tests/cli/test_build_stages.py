@@ -38,7 +38,7 @@ def test_each_stage_has_files_and_the_next_build_reads_them(
 ):
     work, out = staged
     files = kept(work)
-    assert set(files) == {"read", "groups", "minima", "transitions", "index"}
+    assert set(files) == {"read", "groups", "minima", "graph", "transitions", "index"}
     assert len(files["read"]) == 4
 
     def never(*_: object, **__: object) -> None:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from mgjax.avoidance.index.build import build_index
-from mgjax.avoidance.index.files import FILE_NAME, fingerprint, save_index
+from mgjax.avoidance.index.files import FILE_NAME, save_index
+from mgjax.core.content_key import content_key
 from mgjax.graph.files import save_graph
 from mgjax.graph.types import MotionGraph
 from mgjax.io.output import replace_file
@@ -76,11 +78,16 @@ def write_graph_folder(
     return result
 
 
+def _key(graph: MotionGraph) -> str:
+    """Names all of a graph but what is told of how it was made."""
+    return content_key([getattr(graph, f.name) for f in fields(graph) if f.name != "report"])
+
+
 def _write_index(
     folder: Path, graph: MotionGraph, store: StageStore | None, progress: bool
 ) -> dict[str, Any]:
     """Writes the index of a graph, as it was made or as it is kept; what it reports."""
-    key = "" if store is None else fingerprint(graph)
+    key = "" if store is None else _key(graph)
     kept = None if store is None else store.load(STAGE, key)
     if kept is not None:
         replace_file(folder / FILE_NAME, kept[0]["file"].tobytes())

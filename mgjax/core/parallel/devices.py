@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from queue import SimpleQueue
+from typing import Any
 
 import jax
 
@@ -25,7 +26,7 @@ def device_pool(kind: str | None = None, workers: int | None = None) -> ThreadPo
     except RuntimeError:
         seen = ", ".join(sorted({device.platform for device in jax.devices()}))
         raise ConfigError(got=f"device {kind!r}", expected=f"one that jax sees: {seen}") from None
-    free: SimpleQueue[jax.Device] = SimpleQueue()
+    free: SimpleQueue[Any] = SimpleQueue()
     for device in devices:
         free.put(device)
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from mgjax.core.body.height import body_scale
+from mgjax.core.content_key import content_key
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.distances.minima import Minima, find_minima
 from mgjax.graph.feet.legs import FootChains
@@ -18,6 +20,9 @@ from mgjax.graph.stages.stages import Stages
 from mgjax.graph.stages.transitions import BlendSettings, staged_transitions
 from mgjax.graph.timeline import ClipTimeline
 from mgjax.graph.transition import build_transitions
+
+GRAPH = "graph"
+"""The stage that finds which transitions are kept."""
 
 Watch = Callable[[float], None]
 
@@ -83,6 +88,20 @@ class Steps:
             progress=self.progress,
             watch=watch,
         )
+
+    def kept(
+        self, of: Any, make: Callable[[], tuple[float, np.ndarray]]
+    ) -> tuple[float, np.ndarray]:
+        """The threshold and the transitions that are kept, as ``make`` finds them; ``of`` is all
+        that they depend on beside the settings."""
+        key = content_key(of, self.config) if self.stages else ""
+        known = self.stages.load(GRAPH, key) if self.stages else None
+        if known is not None:
+            return known[1]["threshold"], known[0]["kept"]
+        threshold, kept = make()
+        if self.stages:
+            self.stages.save(GRAPH, key, {"kept": kept}, {"threshold": float(threshold)})
+        return float(threshold), kept
 
     def transitions(
         self, rows: np.ndarray, columns: np.ndarray, chains: FootChains | None, watch: Watch
