@@ -88,21 +88,17 @@ class Config:
 
 def run(config: Config, points: Points) -> Results:
     """Measures all points; those of an interrupted run with the same settings are taken over."""
-    rows: list[dict[str, Any]] = []
+    tasks: dict[str, tuple[Config, GraphConfig, AvoidanceConfig]] = {}
+    named: list[dict[str, Any]] = []
     for name in config.options:
         settings, wide = OPTIONS[name]
         search = config.avoidance if wide else replace(config.avoidance, T_wide=0.0)
         for threshold in config.thresholds_m:
-
-            def work(
-                settings: GraphConfig = settings,
-                search: AvoidanceConfig = search,
-                threshold: float = threshold,
-            ) -> dict[str, Any]:
-                return _measured(config, replace(settings, threshold_m=threshold or None), search)
-
-            row = points.measure(f"{name}/{threshold:g}", work)
-            rows.append({"option": name, "threshold_m": threshold} | row)
+            at = replace(settings, threshold_m=threshold or None)
+            tasks[f"{name}/{threshold:g}"] = (config, at, search)
+            named.append({"option": name, "threshold_m": threshold})
+    found = points.measure_all(tasks, _measured)
+    rows = [name | row for name, row in zip(named, found.values(), strict=True)]
     return Results(
         metrics={"rows": rows},
         figures={"connectivity": lambda: figure(rows)},
@@ -110,7 +106,8 @@ def run(config: Config, points: Points) -> Results:
     )
 
 
-def _measured(config: Config, settings: GraphConfig, search: AvoidanceConfig) -> dict[str, Any]:
+def _measured(task: tuple[Config, GraphConfig, AvoidanceConfig]) -> dict[str, Any]:
+    config, settings, search = task
     clips, labels = clips_of(config.clips, config.exclude)
     graph = build_graph(clips, labels=labels, config=settings)
     report = graph.report

@@ -15,6 +15,8 @@ from mgjax.clips.folder import load_clips
 from mgjax.clips.labels import load_labels
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
+from mgjax.graph.stages.choice import build_stages
+from mgjax.graph.stages.stages import stage_store
 from mgjax.graph.walk import random_walk
 from mgjax.io.load import load_motion
 from mgjax.io.output import output_folder
@@ -33,6 +35,7 @@ def run(command: Build) -> None:
     config = replace(config, **{name: True for name, on in switches.items() if on})
     progress = sys.stderr.isatty()
     with output_folder(command.out) as folder:
+        store = None if command.work is None else stage_store(command.work)
         read_as = read_as_of(command, command.roles)
         clips, notes = load_clips(
             command.clips,
@@ -41,20 +44,39 @@ def run(command: Build) -> None:
             read_as=read_as,
             skip_bad=command.skip_bad,
             need_body=not command.no_body,
+            store=store,
         )
         labels = load_labels(command.labels, clips, command.clips) if command.labels else None
         skeleton = load_motion(command.skeleton) if command.skeleton else None
         readings = {clip.name: dict(clip.reading) for clip in clips}
         read = time.perf_counter()
-        graph = build_graph(
-            clips, labels=labels, config=config, skeleton=skeleton, progress=progress
-        )
+        with build_stages(
+            frames=sum(clip.motion.num_frames for clip in clips),
+            store=store,
+            name=command.executor,
+            workers=command.workers,
+            address=command.address,
+            device=command.device,
+        ) as stages:
+            graph = build_graph(
+                clips,
+                labels=labels,
+                config=config,
+                skeleton=skeleton,
+                progress=progress,
+                stages=stages,
+            )
         report = graph.report
         report["notes"] = notes + report["notes"]
         report["readings"] = readings
         report["seconds"] = {"read": round(read - begin, 4), **report["seconds"]}
         result = write_graph_folder(
-            folder, graph, begin=begin, index=not command.no_index, progress=progress
+            folder,
+            graph,
+            begin=begin,
+            index=not command.no_index,
+            progress=progress,
+            store=None if stages is None else stages.store,
         )
         if command.html:
             walk = random_walk(graph, int(graph.edge_source[0]), WALK_S, 0)

@@ -13,13 +13,13 @@ from tqdm import tqdm
 
 from mgjax.clips.clips_toml import ClipsToml, over
 from mgjax.clips.types import Clip
-from mgjax.core.errors import FileFormatError, MgjaxError, MotionError
+from mgjax.core.errors import MgjaxError, MotionError, OutputError
 from mgjax.core.motion import Motion
-from mgjax.io.load import SUFFIXES, read_capture
+from mgjax.io.load import SUFFIXES
 from mgjax.io.npz.read import holds_no_motion
-from mgjax.io.reading.capture import Capture
-from mgjax.io.reading.interpret import BODY_M
+from mgjax.io.read_clip import read_clip
 from mgjax.io.reading.read_as import ReadAs
+from mgjax.io.stages import StageStore
 from mgjax.io.user_path import user_path
 
 
@@ -55,6 +55,7 @@ def load_clips(
     need_body: bool = False,
     prefer: Collection[str] = (),
     watch: Callable[[float], None] | None = None,
+    store: StageStore | None = None,
 ) -> tuple[list[Clip], list[str]]:
     """Loads every motion file in ``folder`` and the folders below it, in the order of their paths.
 
@@ -67,6 +68,7 @@ def load_clips(
         need_body: a file without a body, or with one no person has, is bad as well.
         prefer: names that stay, of two clips with identical motion.
         watch: told the share of files that are read; what it raises ends the work.
+        store: keeps what was read of each file, by its content.
 
     Returns:
         The clips, named by relative path with ``/``, and notes on what was found and left out: of
@@ -74,6 +76,7 @@ def load_clips(
 
     Raises:
         MotionError: there is no clip, or files are bad: all of them are named.
+        OutputError: nothing can be kept in the store.
     """
     folder = user_path(folder)
     names = clip_files(folder, exclude)
@@ -89,21 +92,20 @@ def load_clips(
             watch(number / len(names))
         way = over(known.of(folder / name), read_as or ReadAs())
         try:
-            capture = read_capture(folder / name, way)
-            if need_body:
-                check_body(folder / name, capture, way)
+            clip = read_clip(folder / name, way, need_body=need_body, store=store)
+        except OutputError:  # nothing is wrong with the file
+            raise
         except MgjaxError as error:
             bad.append(error)
             continue
-        twin = next((c for c in clips if _same_motion(c.motion, capture.motion)), None)
+        twin = next((c for c in clips if _same_motion(c.motion, clip.motion)), None)
         if twin is not None:
             notes.append(f"{name}: left out, its motion is that of {twin.name}")
             continue
-        for note in capture.reading.notes:
-            said.setdefault(note.text, []).append(name)
-        reading = {**capture.reading.as_dict(), "said": way.as_dict()}
+        for note in clip.notes:
+            said.setdefault(note, []).append(name)
         clips.append(
-            Clip(name=name, skeleton=capture.skeleton, motion=capture.motion, reading=reading)
+            Clip(name=name, skeleton=clip.skeleton, motion=clip.motion, reading=clip.reading)
         )
     place = {name: at for at, name in enumerate(names)}
     clips.sort(key=lambda clip: place[clip.name])
@@ -111,24 +113,6 @@ def load_clips(
         raise all_of(bad, len(names))
     notes += [f"left out: {error}" for error in bad]
     return clips, [*_together(said), *notes]
-
-
-def check_body(path: Path, capture: Capture, read_as: ReadAs) -> None:
-    """Raises :class:`FileFormatError` for what is no body, or none of a size that people have."""
-    tall = capture.reading.height_m
-    if tall is None:
-        four = any(note.kind == "four_legs" for note in capture.reading.notes)
-        got = "a body on four legs" if four else "no body on two legs"
-        wanted = "hip, knee and ankle of two legs (--roles names them), or --no-body"
-        raise FileFormatError(path, None, got, wanted)
-    low, high = BODY_M
-    if read_as.units is None and not low <= tall <= high:
-        raise FileFormatError(
-            path,
-            None,
-            f"a body of {tall:.2f} m in the {capture.unit.name}",
-            f"{low:g} … {high:g} m; if it is right, say the unit: --units",
-        )
 
 
 def all_of(bad: Sequence[MgjaxError], files: int) -> MgjaxError:

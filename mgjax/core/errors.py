@@ -85,3 +85,7 @@ class ReachError(MgjaxError):
 
 class OutputError(MgjaxError):
     """A folder or file that cannot be written."""
+
+
+class WorkerError(MgjaxError):
+    """A worker process or machine that ended before its work was done."""

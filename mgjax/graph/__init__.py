@@ -12,9 +12,12 @@ if TYPE_CHECKING:
     from mgjax.graph.distances.distance import distance_matrix as distance_matrix
     from mgjax.graph.files import load_graph as load_graph
     from mgjax.graph.files import save_graph as save_graph
+    from mgjax.graph.stages.stages import Stages as Stages
+    from mgjax.graph.stages.stages import stage_store as stage_store
     from mgjax.graph.types import MotionGraph as MotionGraph
     from mgjax.graph.walk import Walk as Walk
     from mgjax.graph.walk import unroll as unroll
+    from mgjax.io.stages import StageStore as StageStore
 else:
     __getattr__, __dir__, __all__ = attach(
         __name__,
@@ -25,6 +28,9 @@ else:
             "load_graph": "mgjax.graph.files",
             "MotionGraph": "mgjax.graph.types",
             "save_graph": "mgjax.graph.files",
+            "Stages": "mgjax.graph.stages.stages",
+            "StageStore": "mgjax.io.stages",
+            "stage_store": "mgjax.graph.stages.stages",
             "unroll": "mgjax.graph.walk",
             "Walk": "mgjax.graph.walk",
         },

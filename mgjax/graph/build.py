@@ -24,19 +24,18 @@ from mgjax.graph.assemble import assemble
 from mgjax.graph.blending.alignment import same_support
 from mgjax.graph.config import GraphConfig, validate_graph_config
 from mgjax.graph.distances.distance import normalised_weights
-from mgjax.graph.distances.minima import Minima, find_minima
+from mgjax.graph.distances.minima import Minima
 from mgjax.graph.feet.legs import foot_chains
+from mgjax.graph.keep import keep
 from mgjax.graph.parts.connectivity import connectivity
 from mgjax.graph.parts.margins import allowed_windows
 from mgjax.graph.prune import (
     Candidates,
-    choose_threshold,
-    largest_component,
     smallest_useful_threshold,
 )
-from mgjax.graph.thin import best_per_second
+from mgjax.graph.stages.stages import Stages
+from mgjax.graph.stages.steps import Steps
 from mgjax.graph.timeline import ClipTimeline, make_timeline
-from mgjax.graph.transition import build_transitions
 from mgjax.graph.types import MotionGraph
 
 _STEPS = {
@@ -63,6 +62,17 @@ class _Stopwatch:
         yield
         self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
 
+    def within(self, name: str) -> Callable[[float], None]:
+        """To be told about how much of a step is done."""
+        names = list(_STEPS)
+        (begin, what), (end, _) = _STEPS[name], _STEPS[names[names.index(name) + 1]]
+
+        def tell(share: float) -> None:
+            if self.watch is not None:
+                self.watch(begin + share * (end - begin), what)
+
+        return tell
+
 
 def build_graph(
     clips: Mapping[str, tuple[Skeleton, Motion]] | Iterable[ClipLike],
@@ -72,6 +82,7 @@ def build_graph(
     skeleton: Skeleton | tuple[Skeleton, Motion] | None = None,
     progress: bool = False,
     watch: Callable[[float, str], None] | None = None,
+    stages: Stages | None = None,
 ) -> MotionGraph:
     """Builds a motion graph.
 
@@ -85,6 +96,9 @@ def build_graph(
         progress: shows bars on stderr.
         watch: told about how much is done, 0 … 1, and what is done next; what it raises ends the
             work.
+        stages: where blocks of the work are computed and kept
+            (:class:`mgjax.graph.stages.stages.Stages`); None: in one piece, here. Distances then
+            are those of float32, which may differ by 1e-7 m².
 
     Returns:
         The largest strongly connected component; its ``report`` has the statistics.
@@ -94,6 +108,8 @@ def build_graph(
         LabelError: an interval outside its clip, or overlapping another.
         ConfigError: a setting out of range.
         GraphError: nothing is left, or the automatic threshold does not exist; says what would do.
+        WorkerError: a worker ended; what was done before is kept in the stages' folder.
+        OutputError: nothing can be written there.
     """
     config = config or GraphConfig()
     validate_graph_config(config)
@@ -114,60 +130,35 @@ def build_graph(
     window = max(1, round(config.window_s * config.frame_rate))
     weights = joint_weights(timeline.skeleton, config.weights)
     scale = body_scale(timeline.skeleton)
-
     allowed = allowed_windows(
         timeline.starts, timeline.stops, timeline.core_starts, timeline.core_stops, window
     )
-    leave, arrive = allowed if config.minima == "allowed" else (None, None)
-
-    def compared(share: float) -> None:
-        if watch is not None:
-            begin, what = _STEPS["distance"]
-            watch(begin + share * (_STEPS["prune"][0] - begin), what)
-
-    def search(limit: float) -> Minima:
-        return find_minima(
-            timeline.positions,
-            timeline.starts,
-            timeline.stops,
-            weights,
-            window=window,
-            neighbourhood=config.neighbourhood,
-            leave=leave,
-            arrive=arrive,
-            thinned=config.range_frames,
-            threshold=scale * limit * (1 + 1e-12),  # what is nearest to it is decided below
-            progress=progress,
-            watch=compared,
-        )
-
+    steps = Steps(
+        timeline=timeline,
+        weights=weights,
+        window=window,
+        allowed=allowed,
+        config=config,
+        stages=stages,
+        progress=progress,
+    )
     with clock.step("distance"):
-        minima = search(_search_limit(config))
+        minima = steps.minima(_search_limit(config), clock.within("distance"))
     with clock.step("prune"):
         candidates, rows, columns = _candidates(timeline, minima, allowed, window, config)
         largest = minima.largest / scale
-        threshold = _threshold(candidates, largest, config)
-        count = int(np.searchsorted(candidates.distances, threshold, side="left"))
-        stays = best_per_second(
-            candidates,
-            count,
-            window,
-            most=config.best_per_s,
-            second=max(round(config.frame_rate), 1),
+        chosen = steps.kept(
+            (candidates, largest), lambda: keep(candidates, largest, window, config)
         )
-        everything = len(candidates.leave)
-        whole = largest_component(candidates, count)
-        candidates, rows, columns = candidates.subset(stays), rows[stays], columns[stays]
-        dropped = count - len(rows)
-        component = largest_component(candidates, len(rows)) if dropped else whole
-        lost = int(whole.labels.sum() - component.labels.sum())
-        if lost > 0:
+        threshold, kept = chosen.threshold, chosen.transitions
+        if chosen.lost > 0:
             notes.append(
-                f"keeping {config.best_per_s} transitions out of each second of motion lost {lost}"
-                " labels; a larger best_per_s keeps more"
+                f"keeping {config.best_per_s} transitions out of each second of motion lost"
+                f" {chosen.lost} labels; a larger best_per_s keeps more"
             )
-        if not component.frames:
-            beyond = _candidates(timeline, search(float("inf")), allowed, window, config)[0]
+        if not len(kept):
+            every = steps.minima(float("inf"), clock.within("prune"))
+            beyond = _candidates(timeline, every, allowed, window, config)[0]
             raise _nothing_left(beyond, threshold, largest, config)
     with clock.step("transitions"):
         chains = None
@@ -176,21 +167,9 @@ def build_graph(
         except SkeletonError as error:
             if config.clean_feet:
                 notes.append(f"feet not cleaned: {error}")
-        kept = np.flatnonzero(component.kept)
-        blended = build_transitions(
-            timeline.skeleton,
-            timeline.root,
-            timeline.rotations,
-            timeline.positions,
-            timeline.plants,
-            chains,
-            rows[kept],
-            columns[kept],
-            weights,
-            window,
-            form=config.blend,
-            clean=config.clean_feet,
-        )
+        blended = steps.transitions(rows[kept], columns[kept], chains, clock.within("transitions"))
+    if stages is not None:
+        notes += stages.notes()
     report: dict[str, Any] = {
         "clips": len(timeline.clips),
         "seconds_of_clips": float((timeline.stops - timeline.starts).sum() / config.frame_rate),
@@ -198,8 +177,8 @@ def build_graph(
         "blend": config.blend,
         "clean_feet": config.clean_feet and chains is not None,
         "minima": len(minima.rows),
-        "candidates": everything,
-        "dropped_by_best_per_s": dropped,
+        "candidates": len(candidates.leave),
+        "dropped_by_best_per_s": chosen.dropped,
         "labels_total": sum(len(items) for items in by_clip.values()) * (2 if config.mirror else 1),
         "notes": notes,
         "retargeted": [asdict(c.retargeted) for c in timeline.clips if c.retargeted],
@@ -284,11 +263,3 @@ def _candidates(
         label_stops=timeline.core_stops,
     )
     return candidates, rows[ok], columns[ok]
-
-
-def _threshold(candidates: Candidates, largest: float, config: GraphConfig) -> float:
-    if config.threshold_m is not None:
-        return config.threshold_m
-    if config.normalised is not None:
-        return config.normalised * largest
-    return choose_threshold(candidates, config.keep, config.max_threshold_m)

@@ -40,6 +40,7 @@ def build_transitions(
     *,
     form: str = "support",
     clean: bool = True,
+    room: int = FRAMES,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Blends many transitions at once.
 
@@ -53,6 +54,7 @@ def build_transitions(
         window: frames in a window.
         form: of the blend; see :func:`mgjax.graph.blending.forms.blend_form`.
         clean: whether feet are cleaned.
+        room: smallest number of frames that the axis is padded to.
 
     Returns:
         root [M, W+1, 3] and rotations [M, W+1, J, 4] in the coordinates of the clip that is left,
@@ -61,7 +63,7 @@ def build_transitions(
     """
 
     # One frame more: the first window is read to the frame after it, where it no longer counts.
-    size = bucket_size(len(root) + 1, FRAMES)
+    size = bucket_size(len(root) + 1, room)
     axis = [jnp.asarray(pad_axis(x, size)) for x in (root, rotations, positions, plants)]
     how = blend_form(form, window)
     share, decay = jnp.asarray(weights), jnp.asarray(how.decay)

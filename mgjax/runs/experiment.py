@@ -22,15 +22,17 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar
+from typing import Any, NoReturn, TypeVar, get_args
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from mgjax.core.errors import ConfigError, MgjaxError
+from mgjax.core.parallel.executors import Name, executor
 from mgjax.core.xla.compilation import enable_cache
 from mgjax.io.output import output_folder
 from mgjax.io.toml_file import to_toml
@@ -93,7 +95,10 @@ def execute(run: Callable[..., Results], kind: type, arguments: Sequence[str]) -
         command = _parser(run, kind).parse_args(arguments)
         config = resolve(kind, command.config, smoke=command.smoke, settings=command.settings)
         out = command.out or Path("out", *_names(run))
-        record, results = perform(run, config, out, smoke=command.smoke, runs=command.runs)
+        with executor(command.executor, command.workers, command.address) as made:
+            record, results = perform(
+                run, config, out, smoke=command.smoke, runs=command.runs, executor=made
+            )
     except MgjaxError as error:
         print(f"{label}: " + " ".join(str(error).split("\n")), file=sys.stderr)
         return 2
@@ -117,6 +122,7 @@ def perform(
     *,
     smoke: bool = False,
     runs: str | Path | None = None,
+    executor: Executor | None = None,
 ) -> tuple[dict[str, Any], Results]:
     """Runs an experiment and writes what came of it, all files together and only on success.
 
@@ -127,6 +133,7 @@ def perform(
             figures. Until the end it holds only ``partial.jsonl`` with the finished points.
         smoke: noted in the record.
         runs: file to which one line with the settings and numbers of this run is added.
+        executor: of the points of a sweep; by default this process.
 
     Returns:
         What ``metrics.json`` has, and what ``run`` returned.
@@ -138,7 +145,7 @@ def perform(
         check_appendable(runs)
     with output_folder(out) as folder:
         identity = {"experiment": label, "config": toml, "revision": commit}
-        points = Points(Path(out) / PARTIAL, identity)
+        points = Points(Path(out) / PARTIAL, identity, executor)
         start = time.perf_counter()
         with compile_times() as compiling:
             results = _call(run, config, points)
@@ -232,5 +239,8 @@ def _parser(run: Callable[..., Results], kind: type) -> argparse.ArgumentParser:
     add("--smoke", action="store_true", help="a tiny version of it")
     add("--out", type=user_path, metavar="DIR", help=f"default: out/{room}/{name}")
     add("--runs", type=user_path, metavar="FILE", help="add one JSON line on this run to the file")
+    add("--executor", choices=get_args(Name), default="serial", help="where points are computed")
+    add("--workers", type=int, metavar="N", help="of the executor; default: one a processor")
+    add("--address", metavar="WHERE", help="of a running Ray cluster")
     add("--json", action="store_true", help="print metrics.json on stdout")
     return parser

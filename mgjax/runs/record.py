@@ -10,17 +10,22 @@ import platform
 import subprocess
 import time
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import jax.monitoring
 import numpy as np
 
 import mgjax
 from mgjax.core.errors import OutputError, printable
+from mgjax.core.parallel.executors import SerialExecutor
+from mgjax.core.parallel.run import run_all
 from mgjax.io.text import reason
+
+T = TypeVar("T")
 
 PACKAGES = ("jax", "jaxlib", "numpy", "scipy")
 COMPILE_EVENTS = "/jax/core/compile/"
@@ -196,10 +201,17 @@ class Points:
     the process ended is cut off. Without a file nothing outlives the process.
 
     Attributes:
+        executor: of :meth:`measure_all`; by default this process.
         measured, resumed: how many points were measured now, and how many found in the file.
     """
 
-    def __init__(self, path: str | Path | None = None, identity: Any = None) -> None:
+    def __init__(
+        self,
+        path: str | Path | None = None,
+        identity: Any = None,
+        executor: Executor | None = None,
+    ) -> None:
+        self.executor = executor or SerialExecutor()
         self.measured = 0
         self.resumed = 0
         self._path = None if path is None else Path(path)
@@ -236,8 +248,13 @@ class Points:
             self.resumed += 1
             return self._rows[key]["value"]
         start = time.perf_counter()
-        value = json.loads(json.dumps(plain(work(), key), allow_nan=False))
-        row = {"key": key, "seconds": round(time.perf_counter() - start, 4), "value": value}
+        value = work()
+        return self._add(key, value, time.perf_counter() - start)
+
+    def _add(self, key: str, value: dict[str, Any], seconds: float) -> dict[str, Any]:
+        """Keeps a point, and writes it to the file."""
+        value = json.loads(json.dumps(plain(value, key), allow_nan=False))
+        row = {"key": key, "seconds": round(seconds, 4), "value": value}
         if self._path is not None:
             if not self._begun:
                 self._path.unlink(missing_ok=True)
@@ -247,6 +264,29 @@ class Points:
         self._rows[key] = row
         self.measured += 1
         return value
+
+    def measure_all(
+        self, tasks: Mapping[str, T], work: Callable[[T], dict[str, Any]]
+    ) -> dict[str, dict[str, Any]]:
+        """What :meth:`measure` returns of many points, which the run's executor computes.
+
+        A point is written as soon as it is there; the results are in the order of the tasks.
+
+        Args:
+            tasks: by key, what ``work`` is given.
+            work: a function of a module, as it may be called in another process.
+
+        Raises:
+            WorkerError: a worker ended; finished points stay in the file.
+        """
+        missing = [key for key in tasks if key not in self._rows]
+        begun = time.perf_counter()
+        for number, value in run_all(self.executor, work, [tasks[key] for key in missing]):
+            seconds = time.perf_counter() - begun
+            self._add(missing[number], value, seconds)
+            begun = time.perf_counter()
+        self.resumed += len(tasks) - len(missing)
+        return {key: self._rows[key]["value"] for key in tasks}
 
     def lines(self) -> str:
         """One JSON line per point."""

@@ -6,6 +6,7 @@ import platform
 import shutil
 import subprocess
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import jax
@@ -221,3 +222,27 @@ def test_a_point_that_fails_is_not_kept(tmp_path):
     with pytest.raises(TypeError, match=r"two\.x: got object"):
         points.measure("two", lambda: {"x": object()})
     assert len(path.read_text().splitlines()) == 2
+
+
+def squared(x: int) -> dict[str, int]:
+    if x == 4:
+        raise KeyboardInterrupt
+    return {"value": x * x}
+
+
+def test_points_of_an_executor_are_kept_and_come_in_their_order(tmp_path):
+    path = tmp_path / "partial.jsonl"
+    with ThreadPoolExecutor(2) as pool:
+        first = Points(path, 1, pool)
+        assert first.measure_all({"b": 3, "a": 1}, squared) == {
+            "b": {"value": 9},
+            "a": {"value": 1},
+        }
+    again = Points(path, 1)
+    assert again.measure("a", dict) == {"value": 1}
+    with pytest.raises(KeyboardInterrupt):
+        again.measure_all({"b": 3, "c": 2, "d": 4}, squared)
+    last = Points(path, 1)
+    found = last.measure_all({"c": 2, "b": 3, "e": 5}, squared)
+    assert list(found.items()) == [("c", {"value": 4}), ("b", {"value": 9}), ("e", {"value": 25})]
+    assert (last.measured, last.resumed) == (1, 2)

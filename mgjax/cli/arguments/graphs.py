@@ -40,6 +40,17 @@ class Build(KnownReading):
     """Leave out the grid index, from which candidates of an avoidance are looked up."""
     html: bool = False
     """Also write index.html, a page that plays a random walk over the graph."""
+    work: Path | None = None
+    """Folder that keeps finished stages: a build that ended goes on, and one with more clips does
+    only what is new. Default: the cache folder, of large input only."""
+    executor: Literal["serial", "threads", "devices", "processes", "ray"] | None = None
+    """Where stages are computed: here, in threads, on jax devices, in processes, on Ray."""
+    workers: int | None = None
+    """How many threads, devices, processes or Ray workers; default: as many as there are."""
+    device: str | None = None
+    """Kind of jax devices that stages are computed on, such as gpu, spread over all of them."""
+    address: str | None = None
+    """Of a running Ray cluster, for --executor ray; default: one of this machine for the build."""
 
 
 @dataclass(frozen=True, kw_only=True)

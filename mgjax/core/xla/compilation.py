@@ -36,3 +36,8 @@ def one_thread() -> None:
     for other threads, which saves a tenth of a millisecond; large products take longer.
     """
     os.environ.setdefault("PJRT_NPROC", "1")
+
+
+def threads() -> int:
+    """Threads that compiled code runs in: those of ``PJRT_NPROC``, else all processors."""
+    return int(os.environ.get("PJRT_NPROC") or os.cpu_count() or 1)

@@ -47,18 +47,26 @@ BLOCK = 32
 """Side of the blocks of pairs that are opened or not."""
 
 
-def project(axis: Axis, size: int, tile: int) -> tuple[Float[np.ndarray, "C R"], float]:
+Components = tuple[Float[np.ndarray, "2 V K"], Float[np.ndarray, "Y Q"], Float[np.ndarray, " Y"]]
+"""Components of the horizontal part, real and imaginary; those of the heights; the mean of those.
+Bounds hold with any, and are close with those of motion that is alike."""
+
+
+def project(
+    axis: Axis, size: int, tile: int, components: Components | None = None
+) -> tuple[Float[np.ndarray, "C R"], float]:
     """What the bounds need of each entry of an axis.
 
     Args:
         axis: of all clips.
         size: entries, with room for the last tile.
         tile: entries that are projected together.
+        components: None: those of the axis itself.
 
     Returns:
         The rows of :func:`open_blocks`, and the squared length of the longest window, m².
     """
-    flat, rise, mean = _components(axis)
+    flat, rise, mean = principal(axis) if components is None else components
     rows = np.zeros((ROWS, size), np.float32)
     rows[-1] = _NEVER
     longest = 0.0
@@ -75,11 +83,8 @@ def project(axis: Axis, size: int, tile: int) -> tuple[Float[np.ndarray, "C R"],
     return rows, longest
 
 
-def _components(
-    axis: Axis,
-) -> tuple[Float[np.ndarray, "2 V K"], Float[np.ndarray, "Y Q"], Float[np.ndarray, " Y"]]:
-    """Principal components of a sample of the windows: of the horizontal part, real and imaginary,
-    and of the heights, with the mean of those."""
+def principal(axis: Axis) -> Components:
+    """Principal components of a sample of the windows."""
     starts = np.flatnonzero(axis.valid)
     starts = starts[:: max(1, -(-len(starts) // _SAMPLE))]
     windows = axis.positions[axis.frames[starts][:, None] + np.arange(axis.window)]

@@ -7,7 +7,7 @@ masks of rows and columns exchanged.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import lru_cache, partial
@@ -19,7 +19,7 @@ from jaxtyping import Float, Int, UInt8
 
 from mgjax.core.arrays import Array
 from mgjax.graph.distances.axis import Axis
-from mgjax.graph.distances.bounds import BLOCK, open_blocks, project
+from mgjax.graph.distances.bounds import BLOCK, Components, open_blocks, project
 from mgjax.graph.distances.distance import (
     WindowFeatures,
     block_distances,
@@ -107,6 +107,8 @@ def search_pruned(
     *,
     watched: Callable[[list[tuple[int, int]]], Iterable[tuple[int, int]]],
     threads: int | None = None,
+    pairs: Sequence[tuple[int, int]] | None = None,
+    components: Components | None = None,
 ) -> np.ndarray:
     """Every pair that may be a local minimum.
 
@@ -115,6 +117,8 @@ def search_pruned(
         limit: m², finite.
         watched: goes through pairs of tiles, and tells how far it is.
         threads: tiles that are searched at the same time; None: as many as there are processors.
+        pairs: of tiles that are searched, the first no later than the second; None: all.
+        components: of the bounds; None: those of the axis itself.
 
     Returns:
         Rows, columns, judgements and D², m². [4, M]
@@ -123,9 +127,11 @@ def search_pruned(
     side = BLOCK + 2 * reach
     count = axis.tiles(TILE)
     # Bounds begin behind the margin, where the first block does.
-    projected, longest = project(axis, count * TILE + reach, TILE)
+    projected, longest = project(axis, count * TILE + reach, TILE, components)
     bounds = jnp.asarray(projected[:, reach:])
     features = lru_cache(maxsize=_TILES_KEPT)(partial(_features, axis))
+    # Of the thread that asks, for those of the pool.
+    device = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]
 
     def compare(first: int, second: int, numbers: np.ndarray, rows: bool) -> np.ndarray:
         """Pairs of blocks: as rows and columns, or as columns and rows. [4, M]"""
@@ -183,11 +189,16 @@ def search_pruned(
             axis=1,
         )
 
-    pairs = [(i, j) for i in range(count) for j in range(i, count)]
+    def there(pair: tuple[int, int]) -> np.ndarray:
+        with jax.default_device(device):
+            return search(pair)
+
+    if pairs is None:
+        pairs = [(i, j) for i in range(count) for j in range(i, count)]
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        futures = [pool.submit(search, pair) for pair in pairs]
+        futures = [pool.submit(there, pair) for pair in pairs]
         try:
-            found = [futures[k].result() for k, _ in enumerate(watched(pairs))]
+            found = [futures[k].result() for k, _ in enumerate(watched(list(pairs)))]
             return np.concatenate([np.zeros((4, 0)), *found], axis=1)
         finally:
             for future in futures:

@@ -1,0 +1,1 @@
+"""Building in stages: work cut into blocks that are kept, resumed and spread over workers."""

@@ -1,0 +1,140 @@
+"""Minima of the distance between two groups of clips: the unit of work of the search.
+
+What a block holds depends on its own clips only. Which pairs are minima, float64 decides where
+float32 cannot; here the distances of all of them are measured in float64, too, since float32 sees
+them differently beside other clips.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mgjax.core.xla.compilation import threads
+from mgjax.graph.distances.axis import Axis, make_axis
+from mgjax.graph.distances.bounds import Components
+from mgjax.graph.distances.exact import exact_squared
+from mgjax.graph.distances.judge import MAYBE, settle
+from mgjax.graph.distances.pruned import TILE, search_pruned
+
+PART = 4
+"""Most pairs of tiles in one block: two groups of short clips are one pair."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockTask:
+    """Pairs of tiles of one group of clips, or of two.
+
+    Attributes:
+        positions: joints of the frames of each group, m. 1 or 2 × [G, J, 3]
+        lengths: frames of each clip of each group.
+        leave, arrive: where windows may begin, as rows and as columns. 1 or 2 × [G]
+        weights: of the joints. [J]
+        window, neighbourhood, limit: of :func:`mgjax.graph.distances.minima.find_minima`; the
+            limit in m², finite.
+        grain: of squared distances, m², the same for all blocks.
+        components: of bounds; they decide how quickly the minima are found, not which.
+        part: which ``PART`` of the pairs of tiles.
+    """
+
+    positions: tuple[np.ndarray, ...]
+    lengths: tuple[tuple[int, ...], ...]
+    leave: tuple[np.ndarray, ...]
+    arrive: tuple[np.ndarray, ...]
+    weights: np.ndarray
+    window: int
+    neighbourhood: int
+    limit: float
+    grain: float
+    components: Components
+    part: int
+
+
+def search_block(task: BlockTask) -> dict[str, np.ndarray]:
+    """Minima of a block, both ways round.
+
+    Returns:
+        ``rows`` and ``columns``, frames where windows begin, counted through both groups, and
+        ``squared``, their D², m². [M]
+    """
+    axis, tiles = _block_axis(task)
+    pairs = tile_pairs(tiles)[task.part * PART : (task.part + 1) * PART]
+
+    def watched(tiles: list[tuple[int, int]]) -> Iterator[tuple[int, int]]:
+        yield from tiles
+
+    found = search_pruned(
+        axis,
+        task.limit,
+        watched=watched,
+        threads=threads(),
+        pairs=pairs,
+        components=task.components,
+    )
+    rows, columns, judged = found[:3].astype(np.int64)
+    squared = np.zeros(len(rows))
+    unsure = judged == MAYBE
+    squared[unsure] = settle(axis, rows[unsure], columns[unsure], task.limit)
+    squared[~unsure] = _measured(axis, rows[~unsure], columns[~unsure])
+    kept = squared < task.limit
+    return {
+        "rows": axis.frames[rows[kept]].astype(np.int32),
+        "columns": axis.frames[columns[kept]].astype(np.int32),
+        "squared": squared[kept],
+    }
+
+
+def tile_counts(lengths: Sequence[Sequence[int]], neighbourhood: int) -> tuple[int, ...]:
+    """Tiles of each group."""
+    entries = (sum(each) + neighbourhood * len(each) for each in lengths)
+    return tuple(-(-count // TILE) for count in entries)
+
+
+def tile_pairs(tiles: Sequence[int]) -> list[tuple[int, int]]:
+    """Within one group each pair of tiles once; of two groups those of one with the other."""
+    first = tiles[0]
+    if len(tiles) == 1:
+        return [(i, j) for i in range(first) for j in range(i, first)]
+    return [(i, first + j) for i in range(first) for j in range(tiles[1])]
+
+
+def _measured(axis: Axis, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """D² of pairs, m²; one that is there both ways round is measured once."""
+    ends = np.stack([np.minimum(rows, columns), np.maximum(rows, columns)], axis=1)
+    unique, back = np.unique(ends, axis=0, return_inverse=True)
+    return exact_squared(axis, unique[:, 0], unique[:, 1])[back.reshape(-1)]
+
+
+def _block_axis(task: BlockTask) -> tuple[Axis, tuple[int, ...]]:
+    """The groups on one axis, each beginning with a tile; and how many tiles they have."""
+    margin = task.neighbourhood
+    tiles = tile_counts(task.lengths, margin)
+    stops = np.cumsum([length for group in task.lengths for length in group])
+    starts = np.concatenate([[0], stops[:-1]])
+    whole = make_axis(
+        np.concatenate(task.positions),
+        starts,
+        stops,
+        task.weights,
+        window=task.window,
+        margin=margin,
+        leave=np.concatenate(task.leave),
+        arrive=np.concatenate(task.arrive),
+    )
+    first = sum(task.lengths[0]) + margin * len(task.lengths[0]) + margin
+    missing = np.zeros(margin + tiles[0] * TILE - first if len(tiles) > 1 else 0, bool)
+
+    def spread(values: np.ndarray, gap: np.ndarray) -> np.ndarray:
+        return np.concatenate([values[:first], gap, values[first:]])
+
+    axis = replace(
+        whole,
+        grain=task.grain,
+        frames=spread(whole.frames, np.full(len(missing), -1)),
+        valid=spread(whole.valid, missing),
+        leave=spread(whole.leave, missing),
+        arrive=spread(whole.arrive, missing),
+    )
+    return axis, tiles
