@@ -17,10 +17,13 @@ from mgjax.graph.types import NO_EDGE
 CANDIDATE_TILE = 64
 """Candidates judged together: their volumes then stay in the cache."""
 
-CANDIDATE_BUCKETS = (8, 32, 128, 512, 4096)
-"""Numbers of candidates that a call is compiled for; then four times as many, …"""
+CANDIDATE_BUCKETS = (CANDIDATE_TILE, 1024, 4096)
+"""Numbers of candidates that a call is compiled for; then four times as many, …
 
-LONG_CANDIDATE_BUCKETS = (128, 4096)
+From two tiles on those without candidates are left out, so more sizes would hardly save time.
+"""
+
+LONG_CANDIDATE_BUCKETS = (1024, 4096)
 """Numbers of candidates that a call is compiled for where walks or attacks are long."""
 
 EDGE_BUCKET = 40
