@@ -19,7 +19,7 @@ from mgjax.avoidance.index.walk_table import smallest
 from mgjax.graph.fingerprint import fingerprint
 from mgjax.graph.types import MotionGraph
 
-CAPACITY = 8
+CAPACITY = 6
 """Most walks to a part that a node keeps whole; the others are put together when asked for."""
 
 

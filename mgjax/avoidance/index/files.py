@@ -113,14 +113,15 @@ def _has_edges(arrays: dict[str, np.ndarray], record: str) -> bool:
 
 def _goes_on(arrays: dict[str, np.ndarray]) -> bool:
     """Whether arrivals without a rank go on by a jump of their node to a shorter one."""
+    jumps, first = (arrays[f"{r}.first"].astype(np.int64) for r in ("jumps", "arrivals"))
     rest = np.flatnonzero(arrays["arrivals.rank"] == 0)
-    jump, then = arrays["arrivals.jump"][rest], arrays["arrivals.then"][rest]
-    count = np.diff(arrays["jumps.first"].astype(np.int64))
-    known = np.repeat(count, np.diff(arrays["arrivals.first"].astype(np.int64)))[rest]
-    length = arrays["arrivals.length"]
-    return _points_at(then, len(length)) and bool(
-        (jump < known).all() and (length[then] < length[rest]).all()
-    )
+    node = np.repeat(np.arange(len(first) - 1), np.diff(first))[rest]
+    jump = jumps[node] + arrays["arrivals.jump"][rest]
+    if not (jump < jumps[node + 1]).all():
+        return False
+    target = arrays["jumps.end"][jump].astype(np.int64)
+    then, length = first[target] + arrays["arrivals.then"][rest], arrays["arrivals.length"]
+    return bool((then < first[target + 1]).all() and (length[then] < length[rest]).all())
 
 
 def _counts_up_to(first: np.ndarray, last: int) -> bool:

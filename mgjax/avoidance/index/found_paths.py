@@ -146,10 +146,14 @@ def edges_of(
     """The edges of paths, padded with ``fill``."""
     chain, arrival = [*paths.jumps.T], paths.arrival
     while (on := arrivals.rank[arrival] == 0).any():
-        node = arrivals.first.searchsorted(arrival, "right") - 1
-        first = jumps.first[node].astype(np.int64)
-        chain.append(np.where(on, first + arrivals.jump[arrival], -1))
-        arrival = np.where(on, arrivals.then[arrival], arrival)
+        own, begun = on.nonzero()[0], arrival[on]
+        node = arrivals.first.searchsorted(begun, "right") - 1
+        jump = jumps.first[node].astype(np.int64) + arrivals.jump[begun]
+        first = arrivals.first[jumps.end[jump]].astype(np.int64)
+        chain.append(np.full(len(arrival), -1))
+        chain[-1][own] = jump
+        arrival = arrival.copy()
+        arrival[own] = first + arrivals.then[begun]
     stretches = np.stack([*chain, arrival], axis=1)
     first, length = (np.zeros(stretches.shape, np.int64) for _ in range(2))
     there = stretches[:, :-1] >= 0

@@ -24,7 +24,7 @@ from mgjax.graph.types import MotionGraph
 
 LONGEST_S = 0.5
 """Longest time that jumps take at least."""
-JUMPS = 8
+JUMPS = 6
 """Jumps of a node take less time at least if they would be more than so many."""
 
 
@@ -260,7 +260,7 @@ def _arrivals(
 def _in_order(
     graph: MotionGraph, rounds: list[dict[str, np.ndarray]], edges: Int[np.ndarray, "X L"]
 ) -> Arrivals:
-    """A table of arrivals, those of each node in order; ``then`` numbers them as they came."""
+    """A table of arrivals, those of each node in order; ``then`` numbers all as they came."""
     most = max(r["ranks"].shape[1] for r in rounds)
     for r in rounds:
         r["ranks"] = np.pad(r["ranks"], ((0, 0), (0, most - r["ranks"].shape[1])))
@@ -269,12 +269,15 @@ def _in_order(
     moved = np.empty(len(order), np.int64)
     moved[order] = np.arange(len(order))
     whole: Bool[np.ndarray, " X"] = flat["walk"] >= 0
-    flat["then"] = np.where(whole, 0, moved[flat["then"]]) if len(order) else flat["then"]
+    first = row_starts(np.bincount(flat["node"], minlength=graph.num_nodes))
+    if len(order):
+        then = moved[flat["then"]] - first[flat["node"][flat["then"]]]
+        flat["then"] = np.where(whole, 0, then)
     flat["rank"] = np.where(whole, flat["ranks"][:, 0], 0)
     own = edges[flat["walk"][order][whole[order]]]
     names = ("end", "time", "length", "rank", "jump", "then")
     return Arrivals(
-        first=smallest(row_starts(np.bincount(flat["node"], minlength=graph.num_nodes))),
+        first=smallest(first),
         place=flat["place"][order].astype(np.float32),
         edges=smallest(own[own >= 0]),
         **{name: smallest(flat[name][order]) for name in names},

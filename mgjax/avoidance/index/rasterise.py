@@ -23,7 +23,7 @@ from mgjax.core.xla.padding import bucket_size, pad_axis
 
 _SPLIT = 4  # pixels along a coarse one, of those that are looked at first
 _TILE = 16384
-_INNER = 8  # most points inside that are kept at one height
+_INNER = 5  # most points inside that are kept at one height
 _DEEP_M = 0.01
 _LAYERS = (2 * LOWEST, 2 * (LOWEST + HEIGHTS))
 

@@ -57,7 +57,7 @@ class Arrivals(WalkTable):
 
     Attributes:
         jump: which of them, counted from the node's first; 0 with a rank. [X]
-        then: the arrival that goes on from there; 0 with a rank. [X]
+        then: which arrival of the node it leads to goes on; 0 with a rank. [X]
     """
 
     jump: UInt[np.ndarray, " X"]
