@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from mgjax.avoidance.index.build import build_index as build_index
     from mgjax.avoidance.index.files import load_index as load_index
     from mgjax.avoidance.index.files import save_index as save_index
+    from mgjax.avoidance.index.found_paths import FoundPaths as FoundPaths
     from mgjax.avoidance.index.index import GridIndex as GridIndex
     from mgjax.avoidance.index.protocol import CandidateIndex as CandidateIndex
     from mgjax.avoidance.many.attacks import BatchSelection as BatchSelection
@@ -79,6 +80,7 @@ else:
             "energies_batch": "mgjax.avoidance.energy.energies",
             "Energy": "mgjax.avoidance.energy.score",
             "EnergyConfig": "mgjax.avoidance.energy.energies",
+            "FoundPaths": "mgjax.avoidance.index.found_paths",
             "GridIndex": "mgjax.avoidance.index.index",
             "limb_attack": "mgjax.avoidance.attacks.limb",
             "load_attack": "mgjax.avoidance.attacks.json_file",

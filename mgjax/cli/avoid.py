@@ -14,6 +14,7 @@ from mgjax.avoidance.attacks.json_file import load_attack
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.choice.selection import Selection, both_timings, select
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.index.files import FILE_NAME, load_index
 from mgjax.avoidance.parry.guard import guard_of
 from mgjax.avoidance.parry.parry import Parry
 from mgjax.avoidance.rates import EXPORT_RATE
@@ -32,17 +33,22 @@ from mgjax.stage.html import save_html
 
 
 def run(command: Avoid) -> None:
-    """Throws a ball, or what a file says, and writes what came of it."""
+    """Throws a ball, or what a file says, and writes what came of it.
+
+    Where the folder of the graph has an index, candidates are looked up in it.
+    """
     if command.seed < 0:
         raise ConfigError(got=f"seed {command.seed}", expected="0 or more")
     config = load_config(command.config, AvoidanceConfig) if command.config else AvoidanceConfig()
     graph = load_graph(command.graph)
+    stored = (Path(command.graph) / FILE_NAME).exists()
+    index = load_index(command.graph, graph) if stored else None
     node = command.node
     if node is None:
         node = int(np.random.default_rng(command.seed).integers(graph.num_nodes))
     attack = attack_of(command)
     with output_folder(command.out) as folder:
-        selection = select(graph, node, attack, config=config, seed=command.seed)
+        selection = select(graph, node, attack, config=config, seed=command.seed, index=index)
         note = guard_of(graph).note if config.parry == "on" else None
         result = selection_json(graph, selection) | {"notes": [] if note is None else [note]}
         (folder / "result.json").write_text(to_json(result) + "\n")

@@ -9,6 +9,7 @@ import numpy as np
 
 from mgjax.core.errors import FileFormatError, OutputError, printable
 from mgjax.core.skeleton import Skeleton, validate_skeleton
+from mgjax.graph.fingerprint import fingerprint, remember_fingerprint
 from mgjax.graph.types import MotionGraph
 from mgjax.io.store import load_arrays, save_arrays
 from mgjax.io.text import reason
@@ -55,6 +56,7 @@ def save_graph(path: str | Path, graph: MotionGraph) -> None:
             arrays[field.name] = getattr(graph, field.name)
     metadata = {name: getattr(graph, name) for name in _PLAIN}
     metadata["format_version"] = FORMAT_VERSION
+    metadata["fingerprint"] = fingerprint(graph)
     metadata["skeleton"] = {
         "names": graph.skeleton.names,
         "parents": graph.skeleton.parents,
@@ -91,7 +93,7 @@ def load_graph(path: str | Path) -> MotionGraph:
         plain = {name: metadata[name] for name in _PLAIN}
         for name in ("clip_names", "label_kind", "label_direction"):
             plain[name] = tuple(plain[name])
-        return MotionGraph(skeleton=skeleton, **arrays, **plain)
+        graph = MotionGraph(skeleton=skeleton, **arrays, **plain)
     except FileFormatError:
         raise
     except (KeyError, TypeError, ValueError) as error:
@@ -99,6 +101,11 @@ def load_graph(path: str | Path) -> MotionGraph:
         raise FileFormatError(
             file, None, f"an incomplete graph ({type(error).__name__}: {first:.80})", "a whole one"
         ) from None
+    if isinstance(
+        metadata.get("fingerprint"), str
+    ):  # written since graphs have indices in format 3
+        remember_fingerprint(graph, metadata["fingerprint"])
+    return graph
 
 
 def _check(arrays: dict[str, np.ndarray], joints: int, file: Path) -> None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from mgjax.cli import demo as demo_command
+from mgjax.io.store import load_arrays, save_arrays
 from tests.cli.conftest import Ran, refused, run
 
 THROW = ("--from", 0.5, 1.4, 5, "--at", 0, 1.4, 0, "--speed", 10, "--arrives", 1.2)
@@ -201,6 +203,18 @@ def test_unwritable_folders(built: tuple[Path, Ran], one_clip: Path, tmp_path: P
     ran = run("avoid", "--graph", built[0], *THROW, "--out", taken)
     refused(ran, "scene.png", "cannot be written")
     assert [path.name for path in taken.iterdir()] == ["scene.png"]
+
+
+def test_avoid_refuses_an_index_that_it_cannot_use(built: tuple[Path, Ran], tmp_path: Path) -> None:
+    out, graph = tmp_path / "out", tmp_path / "graph"
+    shutil.copytree(built[0], graph)
+    avoid = ("avoid", "--graph", graph, *THROW, "--out", out)
+    file = graph / "grid_index.safetensors"
+    arrays, metadata = load_arrays(file, "grid index")
+    save_arrays(file, arrays, metadata | {"format_version": 2})
+    refused(run(*avoid), file.name, "format 2", "format 3; build anew", out=out)
+    file.write_bytes(file.read_bytes()[:-9])
+    refused(run(*avoid), file.name, "damaged", out=out)
 
 
 def test_missing_and_damaged_graphs(built: tuple[Path, Ran], tmp_path: Path) -> None:

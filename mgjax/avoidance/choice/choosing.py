@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-from jaxtyping import Int
-
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.choice.decision import Decision, best_of, better_of
 from mgjax.avoidance.choice.near_misses import refined_miss
 from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.choice.start import Query, ask
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.index.found_paths import FoundPaths
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.graph.types import MotionGraph
@@ -99,7 +97,7 @@ def _decided(query: Query) -> Decision:
     return best_of(query, query.in_time) if paths is None else _looked_up(query, paths)
 
 
-def _paths_in_time(query: Query) -> Int[np.ndarray, " C"] | None:
+def _paths_in_time(query: Query) -> FoundPaths | None:
     """The paths of the index that satisfy eq. 1; None without one, if it cannot say, or if they
     are too many."""
     index, config = query.prepared.index, query.config
@@ -109,7 +107,7 @@ def _paths_in_time(query: Query) -> Int[np.ndarray, " C"] | None:
     return None if paths is None or len(paths) > config.capacity else paths
 
 
-def _looked_up(query: Query, paths: Int[np.ndarray, " C"]) -> Decision:
+def _looked_up(query: Query, paths: FoundPaths) -> Decision:
     """The best of those paths of the index that the attack touches or, if none is clear, of all."""
     index = query.prepared.index
     assert index is not None, "the paths are its"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Complex, Float, Int, UInt32
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop
@@ -154,3 +154,25 @@ def box_gap(
     a, b, fa, fb = at[row, right - 1], at[row, right], slope[row, right - 1], slope[row, right]
     share = np.clip(a - fa * (b - a) / np.where(fb == fa, 1.0, fb - fa), a, b)
     return np.linalg.norm(excess(share[:, None])[:, 0], axis=-1)
+
+
+def corners(columns: Int[np.ndarray, " K"]) -> Complex[np.ndarray, " K"]:
+    """x + i z of the lowest corners of columns, in cells."""
+    x, z = np.divmod(columns, SPAN)
+    return (x - SPAN // 2) + 1j * (z - SPAN // 2)
+
+
+def set_bits(
+    masks: UInt32[np.ndarray, " X"],
+) -> tuple[Int[np.ndarray, " M"], UInt32[np.ndarray, " M"]]:
+    """The bits that are set in masks: which mask, and which bit of it."""
+    which, bit = ((masks[:, None] >> np.arange(HEIGHTS, dtype=np.uint32)) & 1).nonzero()
+    return which, bit.astype(np.uint32)
+
+
+def cell_of(
+    columns: Int[np.ndarray, " M"], bit: UInt32[np.ndarray, " M"]
+) -> Int[np.ndarray, "M 3"]:
+    """The cells of columns, given by number, at the heights of bits."""
+    x, z = np.divmod(columns, SPAN)
+    return np.stack([x - SPAN // 2, bit.astype(np.int64) + LOWEST, z - SPAN // 2], axis=1)

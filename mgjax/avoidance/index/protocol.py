@@ -5,18 +5,19 @@ from __future__ import annotations
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Bool
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.candidates.enumerate import Candidates
+from mgjax.avoidance.index.found_paths import FoundPaths
 
 
 @runtime_checkable
 class CandidateIndex(Protocol):
-    """Walks to avoidance parts that were looked for beforehand, known by number."""
+    """Walks to avoidance parts that were looked for beforehand."""
 
-    def in_time(self, node: int, t_attack: float, window: float) -> Int[np.ndarray, " C"] | None:
+    def in_time(self, node: int, t_attack: float, window: float) -> FoundPaths | None:
         """All walks from a node with t_attack − T/2 < t_avoid < t_attack + T/2 (eq. 1).
 
         Args:
@@ -25,17 +26,17 @@ class CandidateIndex(Protocol):
             window: T, s.
 
         Returns:
-            Their numbers, or None where the index cannot say.
+            The walks as paths of the index, or None where the index cannot say.
         """
         ...
 
     def touched(
-        self, paths: Int[np.ndarray, " C"], attack: Attack, crop: Crop
+        self, paths: FoundPaths, attack: Attack, crop: Crop
     ) -> Bool[np.ndarray, " C"] | None:
         """Which of some walks avoid something that is where the attack passes through.
 
         Args:
-            paths: numbers of walks of one node.
+            paths: walks of one node.
             attack: in the planar frame of that node.
             crop: the part of it that counts.
 
@@ -44,7 +45,8 @@ class CandidateIndex(Protocol):
         """
         ...
 
-    def walks(self, paths: Int[np.ndarray, " C"]) -> Candidates:
-        """The walks of some numbers, in the order of
-        :func:`~mgjax.avoidance.candidates.enumerate.enumerate_candidates` if these ascend."""
+    def walks(self, paths: FoundPaths) -> Candidates:
+        """The edges of walks, in the order of
+        :func:`~mgjax.avoidance.candidates.enumerate.enumerate_candidates` as
+        long as that of the paths is kept."""
         ...

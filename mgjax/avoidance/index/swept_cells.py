@@ -95,6 +95,12 @@ class SweptCells:
     chords: _Chords
     near: list[_Near]
 
+    @property
+    def heights(self) -> tuple[int, int]:
+        """The lowest bit of ``sure``, and the one after the highest."""
+        bits = int(np.bitwise_or.reduce(self.sure))
+        return max((bits & -bits).bit_length() - 1, 0), bits.bit_length()
+
     def perhaps(self) -> UInt32[np.ndarray, " S"]:
         """Which cells are touched, or may be: of the latter :meth:`touches` has to say it."""
         bits = np.zeros(len(self.sure), np.uint32)

@@ -12,8 +12,9 @@ from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
 from mgjax.avoidance.body.spheres import BodySpheres
 from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.index.build import CAPACITY, index_of_tables
-from mgjax.avoidance.index.cells import COVERED, LOWEST, SPAN
-from mgjax.avoidance.index.index import GridIndex, column_cells
+from mgjax.avoidance.index.cells import COVERED
+from mgjax.avoidance.index.found_paths import FoundPaths
+from mgjax.avoidance.index.index import GridIndex
 from mgjax.avoidance.index.swept_cells import SweptCells
 from mgjax.graph.types import MotionGraph
 from tests.avoidance.made import make_graph, throw
@@ -31,11 +32,16 @@ def built(
     )
 
 
-def cells_of(index: GridIndex, path: int) -> np.ndarray:
-    """The cells of one path, in its node's planar frame, in ascending order. [M, 3]"""
-    _, columns, masks = index.columns(np.array([path]))
-    cells = column_cells(columns, masks)[1]
-    return cells[np.lexsort(cells.T[::-1])]
+def paths_of(index: GridIndex, node: int) -> FoundPaths:
+    """All paths of a node within the horizon."""
+    paths = index.of_node(node)
+    assert paths is not None
+    return paths
+
+
+def cells_of(index: GridIndex, node: int, path: int) -> np.ndarray:
+    """The cells of one path of a node, in its planar frame, in ascending order. [M, 3]"""
+    return index.cells(paths_of(index, node)[np.array([path])])[1]
 
 
 def lookup(
@@ -45,7 +51,10 @@ def lookup(
     t_attack: float,
     window: float,
 ) -> Candidates | None:
-    """The paths of a node in the window that have one of the cells; None where that is unknown."""
+    """The paths of a node in the window that have one of the cells; None where that is unknown.
+
+    Swept cells are looked up; an array of cells is compared with all cells of every path.
+    """
     paths = index.in_time(node, t_attack, window)
     if paths is None or cells is None:
         return None
@@ -53,17 +62,15 @@ def lookup(
         return index.walks(paths[index.touched_by(paths, cells)])
     if (cells < COVERED[0]).any() or (cells >= COVERED[1]).any():
         return None
-    bits = np.zeros(SPAN * SPAN, np.uint32)
-    column = (cells[:, 0] + SPAN // 2) * SPAN + cells[:, 2] + SPAN // 2
-    np.bitwise_or.at(bits, column, np.uint32(1) << (cells[:, 1] - LOWEST).astype(np.uint32))
-    rows, columns, masks = index.columns(paths)
-    return index.walks(paths[np.unique(rows[(bits[columns] & masks) != 0])])
+    which, own = index.cells(paths)
+    looked = cell_set(np.unique(cells, axis=0))
+    met = [path for path, cell in zip(which, own.tolist(), strict=True) if tuple(cell) in looked]
+    return index.walks(paths[np.unique(np.array(met, np.int64))])
 
 
 def all_of(index: GridIndex, node: int) -> Candidates:
     """Every path of a node as a walk, whether or not it has cells."""
-    paths = np.arange(index.node_first[node], index.node_first[node + 1])
-    return index.walks(paths)
+    return index.walks(paths_of(index, node))
 
 
 def pairs(candidates: Candidates) -> list[tuple[tuple[int, ...], int]]:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -13,8 +15,7 @@ from mgjax.avoidance.choice import start
 from mgjax.avoidance.choice.decision import Decision
 from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.index import build as grid_build
-from mgjax.avoidance.index import part_volumes as grid_parts
+from mgjax.avoidance.index import rasterise
 from mgjax.avoidance.index.build import build_index
 from mgjax.avoidance.index.cells import touched_cells
 from mgjax.avoidance.index.index import GridIndex
@@ -25,6 +26,7 @@ from tests.avoidance.index.made import (
     RATE,
     SHORT_S,
     all_of,
+    ball,
     built,
     cell_set,
     cells_of,
@@ -32,6 +34,7 @@ from tests.avoidance.index.made import (
     one_sphere,
     pairs,
     passing,
+    paths_of,
 )
 from tests.avoidance.made import make_graph, random_graph, throw
 from tests.reference import grid_index as reference
@@ -44,6 +47,11 @@ def bodies_of(graph: MotionGraph) -> reference.Bodies:
     return reference.Bodies(adult, preset_spheres(adult.skeleton), RATE)
 
 
+def counts_of(index: GridIndex) -> np.ndarray:
+    """How many paths each node has within the horizon."""
+    return np.array([len(paths_of(index, node)) for node in range(index.nodes)])
+
+
 def check_cells(graph: MotionGraph, index: GridIndex, node: int, paths: list[int], rate: float):
     """Compares the cells of some paths of a node with the definition; returns their number."""
     walks = reference.walks_within(graph, node, index.horizon)
@@ -52,7 +60,7 @@ def check_cells(graph: MotionGraph, index: GridIndex, node: int, paths: list[int
     total = 0
     for path in paths:
         sure, perhaps = reference.cells_of_walk(bodies, *walks[path], rate)
-        got = cell_set(cells_of(index, int(index.node_first[node]) + path))
+        got = cell_set(cells_of(index, node, path))
         assert sure <= got
         assert got <= sure | perhaps
         assert len(perhaps) <= 2 + len(sure) // 20
@@ -68,14 +76,14 @@ def test_cells_are_those_of_the_definition(seed: int, rate: float) -> None:
     rng = np.random.default_rng(seed)
     total = 0
     for node in range(graph.num_nodes):
-        count = int(index.node_first[node + 1] - index.node_first[node])
+        count = len(paths_of(index, node))
         some = rng.choice(count, min(count, 3), replace=False).tolist()
         total += check_cells(graph, index, node, some, rate)
     assert total > 300
 
 
 def test_cells_on_the_graph_of_clips(made_graph: MotionGraph, made_index: GridIndex) -> None:
-    counts = np.diff(made_index.node_first)
+    counts = counts_of(made_index)
     rng = np.random.default_rng(0)
     for node in rng.choice(np.flatnonzero((counts > 10) & (counts < 200)), 4, replace=False):
         some = rng.choice(counts[node], 3, replace=False).tolist()
@@ -88,11 +96,14 @@ def test_by_hand() -> None:
     # and moves it by 1 m, so that (0.05, y, 0.05) is at (1.05, y, −0.05) from node 0.
     graph, tables = one_sphere([(0.05, 1.05, 0.05), (0.05, 1.05, 0.05), (0.25, 1.05, 0.05)])
     index = built(graph, tables, horizon=1.0)
-    assert index.node_first.tolist() == [0, 1, 2]
-    assert index.time.tolist() == [2 * 15 + 9 + 11, 9 + 11]  # half frames
-    assert cells_of(index, 0).tolist() == [[10, 10, -1]]
-    assert cells_of(index, 1).tolist() == [[0, 10, 0]]
-    assert index.paths_per_cell(1).tolist() == [1]
+    times = [paths_of(index, node).time.tolist() for node in range(2)]
+    assert times == [[2 * 15 + 9 + 11], [9 + 11]]  # half frames
+    assert cells_of(index, 0, 0).tolist() == [[10, 10, -1]]
+    assert cells_of(index, 1, 0).tolist() == [[0, 10, 0]]
+    per_cell = index.paths_per_cell(1)
+    assert per_cell is not None
+    assert per_cell.tolist() == [1]
+    assert index.paths_per_cell(1, most=0) is None
     here = np.array([[0, 10, 0], [3, 3, 3]])
     found = lookup(index, 1, here, 0.4, 0.5)
     assert found is not None
@@ -111,7 +122,7 @@ def test_a_sub_point_has_to_be_left(moved: float, stays: bool) -> None:
     # middle: 4.9 cm, still inside, or 7.4 cm.
     graph, tables = one_sphere([(0.05, 1.05, 0.05)] * 2 + [(0.05 + moved, 1.05, 0.05)])
     index = built(graph, tables, horizon=1.0)
-    assert (len(cells_of(index, 1)) == 0) == stays
+    assert (len(cells_of(index, 1, 0)) == 0) == stays
     found = lookup(index, 1, np.array([[0, 10, 0]]), 0.4, 0.5)
     assert found is not None
     assert len(found.part) == (0 if stays else 1)
@@ -121,8 +132,8 @@ def test_rates_between_the_samples() -> None:
     # At 30 moments a second the part has three, at 15 only its start and end.
     away = (0.25, 1.05, 0.05)
     graph, tables = one_sphere([(0.05, 1.05, 0.05), away, (0.05, 1.05, 0.05)])
-    assert len(cells_of(built(graph, tables, rate=30.0), 1)) == 1
-    assert len(cells_of(built(graph, tables, rate=15.0), 1)) == 0
+    assert len(cells_of(built(graph, tables, rate=30.0), 1, 0)) == 1
+    assert len(cells_of(built(graph, tables, rate=15.0), 1, 0)) == 0
 
 
 def expected(
@@ -138,7 +149,7 @@ def expected(
     meets = {
         walk
         for path, walk in enumerate(walks)
-        if cell_set(cells) & cell_set(cells_of(index, int(index.node_first[node]) + path))
+        if cell_set(cells) & cell_set(cells_of(index, node, path))
     }
     tables = edge_tables(graph, RATE)
     found = enumerate_candidates(graph, tables, node, t_attack, window=window, capacity=10**6)
@@ -149,7 +160,7 @@ def test_lookup_is_the_enumeration_that_touches(
     made_graph: MotionGraph, made_index: GridIndex
 ) -> None:
     rng = np.random.default_rng(3)
-    counts = np.diff(made_index.node_first)
+    counts = counts_of(made_index)
     sizes = []
     for node in rng.choice(np.flatnonzero((counts > 20) & (counts < 150)), 6, replace=False):
         height = float(rng.uniform(0.9, 1.7))
@@ -197,7 +208,7 @@ def test_lookup_by_the_definition(seed: int) -> None:
 @pytest.mark.parametrize("kind", ["straight", "ballistic", "wandering", "along cells"])
 def test_swept_cells_find_what_the_cells_find(made_index: GridIndex, kind: str) -> None:
     rng = np.random.default_rng(len(kind) + 1)
-    busy = np.argsort(np.diff(made_index.node_first))[-200:]
+    busy = np.argsort(counts_of(made_index))[-200:]
     found = 0
     for _ in range(40):
         attack, crop = passing(rng, kind)
@@ -213,25 +224,24 @@ def test_swept_cells_find_what_the_cells_find(made_index: GridIndex, kind: str) 
     assert found > 20
 
 
-def test_capacity_is_said_and_kept(made_graph: MotionGraph, made_index: GridIndex) -> None:
-    small = build_index(made_graph, horizon=SHORT_S, capacity=8)
-    counts = np.diff(small.node_first)
-    assert counts.max() <= 8 < np.diff(made_index.node_first).max()
-    limited = np.flatnonzero(small.node_limit < SHORT_S * small.half_frames)
-    assert 100 < len(limited) == small.report["nodes_limited"] < made_graph.num_nodes
-    cells = np.array([[i, j, k] for i in range(-3, 3) for j in range(3, 17) for k in range(-3, 3)])
-    found = 0
-    for node in [*limited[:60].tolist(), *range(20)]:
-        until = (small.node_limit[node] + 1) / small.half_frames
-        assert lookup(small, node, cells, until - 0.3 + 1e-6, 0.6) is None
-        if until - 0.3 > 0:
-            high = min(until, SHORT_S) - 0.3 - 1e-6
-            few, all_ = (lookup(i, node, cells, high, 0.6) for i in (small, made_index))
-            assert few is not None
-            assert all_ is not None
-            assert pairs(few) == pairs(all_)
-            found += len(few.part)
-    assert found > 20
+def test_how_much_is_stored_changes_nothing(made_graph: MotionGraph, made_index: GridIndex) -> None:
+    sizes, attack = [], ball((-1.0, 1.2, 0.0), (0.0, 1.2, 0.1), (1.0, 1.2, 0.2), radius=0.15)
+    cells = swept_cells(*attack)
+    assert cells is not None
+    for capacity in (0, 10**4):
+        other = build_index(made_graph, horizon=SHORT_S, capacity=capacity)
+        assert other.report["paths"] == made_index.report["paths"]
+        found = 0
+        for node in range(0, made_graph.num_nodes, 37):
+            one, two = paths_of(made_index, node), paths_of(other, node)
+            np.testing.assert_array_equal(one.time, two.time)
+            assert pairs(made_index.walks(one)) == pairs(other.walks(two))
+            touched = other.touched_by(two, cells)
+            np.testing.assert_array_equal(touched, made_index.touched_by(one, cells))
+            found += int(touched.sum())
+        assert found > 20
+        sizes.append(other.nbytes)
+    assert sizes[0] < made_index.nbytes < sizes[-1]
 
 
 def test_nothing_to_index() -> None:
@@ -243,15 +253,19 @@ def test_nothing_to_index() -> None:
 
 
 def test_same_again_and_without_compiling(made_graph: MotionGraph, made_index: GridIndex) -> None:
-    programs = (grid_build._read, grid_parts._gap, grid_parts._sub_points)
     build_index(made_graph, horizon=SHORT_S)  # programs made for other tests may have been dropped
+    programs: tuple[Any, ...] = (rasterise._gap,)
     sizes = [program._cache_size() for program in programs]
     assert all(sizes)
     again = build_index(made_graph, horizon=SHORT_S - 0.1)
     assert [program._cache_size() for program in programs] == sizes
-    kept = made_index.time <= (SHORT_S - 0.1) * made_index.half_frames
-    assert again.report["paths"] == kept.sum()
-    np.testing.assert_array_equal(again.column_count, made_index.column_count[kept])
+    latest = (SHORT_S - 0.1) * made_index.half_frames
+    counted = 0
+    for node in range(0, made_index.nodes, 5):
+        kept = (paths_of(made_index, node).time <= latest).sum()
+        assert len(paths_of(again, node)) == kept
+        counted += kept
+    assert counted > 100
 
 
 def test_the_choice_is_as_good_with_the_index(
