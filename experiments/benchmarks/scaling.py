@@ -244,6 +244,8 @@ def _picture(rows: list[dict[str, Any]]) -> Figure:
     for axes in (times, sizes):
         axes.set_xscale("log")
         axes.set_yscale("log")
+        axes.set_xticks(minutes, [f"{x:.0f}" for x in minutes], minor=False)
+        axes.set_xticks([], minor=True)
         axes.set_xlabel("motion, minutes")
         axes.grid(alpha=0.3)
         axes.legend(frameon=False, fontsize=8)
