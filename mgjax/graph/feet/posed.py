@@ -20,6 +20,9 @@ SOFT, STRAIGHT = 0.96, 0.99
 the second. A leg that is straighter in the motion may stay so."""
 MOST_TURN = math.radians(25.0)
 """A foot is turned on the floor by less than this, rad."""
+SWIVEL = 0.75
+"""Share of a foot's turn by which its leg goes along, about the line from hip to ankle. Turned
+alone a foot twists its ankle beyond what ankles do."""
 FLAT_M = 0.04
 """An adult's foot whose ball and ankle are nearer than this over the floor is hardly turned, m."""
 
@@ -76,6 +79,7 @@ def posed(
         hip_turn, knee_turn = two_bone.solve(
             start, positions[:, knee] + lead, positions[:, ankle] + lead, target, pole
         )
+        hip_turn = quaternion.multiply(_swivel(start, target, SWIVEL * yaw), hip_turn)
         above = [turns[:, skeleton.parents[j]] for j in (hip, knee, ankle)]
         new = two_bone.local_rotations(
             hip_turn,
@@ -121,6 +125,12 @@ def _foot(
     place = held * by_ball + (1 - held) * by_ankle
     height = ankle[:, 1] + state.lift[:, side]
     return jnp.stack([place[:, 0], height, place[:, 1]], axis=-1), yaw
+
+
+def _swivel(hip: Array, ankle: Array, angle: Array) -> Array:
+    """The turn about the line from hip to ankle that goes with one about the vertical, rad."""
+    up = (hip - ankle) / jnp.maximum(_length(hip - ankle), 1e-6)[:, None]
+    return quaternion.from_axis_angle(up, angle)
 
 
 def _within_reach(hip: Array, target: Array, now: Array, length: Array) -> Array:
