@@ -68,7 +68,7 @@ def score(command: Score) -> None:
         with output_folder(command.out) as folder:
             (folder / "score.json").write_text(to_json(result) + "\n")
             if config is not None:
-                (folder / "energy.toml").write_text(to_toml(config))
+                (folder / "energy.toml").write_text("[energy]\n" + to_toml(config))
     lines = [*describe(result), *([f"written to {command.out}"] if command.out else [])]
     emit(result, lines, as_json=command.json)
 

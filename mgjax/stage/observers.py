@@ -63,21 +63,30 @@ def write_observers(folder: Path, skeleton: Skeleton, study: str, trials: list[T
         trials: candidates in the order in which they stand.
     """
     folder.mkdir()
-    digits = len(str(len(trials)))
-    rows: list[dict[str, object]] = []
+    digits = max(len(str(len(trials))), 2)
+    pages: list[tuple[str, int]] = []
     for trial in trials:
-        place = f"trials/{trial.number:0{max(digits, 2)}d}"
+        place = f"trials/{trial.number:0{digits}d}"
         write_trial(folder / place, skeleton, trial)
-        letters = list(LETTERS[: len(trial.ways)])
-        rows.append({"page": f"{place}/index.html", "letters": letters})
+        pages.append((f"{place}/index.html", len(trial.ways)))
+    (folder / "index.html").write_text(index_html(study, pages), encoding="utf-8")
+
+
+def index_html(study: str, pages: list[tuple[str, int]]) -> str:
+    """The page that leads through the trials.
+
+    Args:
+        study: its name.
+        pages: of the trials, and how many candidates each has.
+    """
+    rows = [{"page": page, "letters": list(LETTERS[:count])} for page, count in pages]
     payload = json.dumps({"format": FORMAT, "study": study, "trials": rows})
-    page = _PAGE.format(
+    return _PAGE.format(
         style=short_text("stage.css") + short_text("study.css"),
         question=html.escape(QUESTION),
         payload=payload.replace("<", "\\u003c"),
         script=short_text("study.js"),
     )
-    (folder / "index.html").write_text(page, encoding="utf-8")
 
 
 def write_trial(folder: Path, skeleton: Skeleton, trial: Trial) -> None:

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
+from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.score import Measures
 from mgjax.avoidance.study.agreement import between_observers, by_observer, with_search
 from mgjax.avoidance.study.chance import ALPHA, foretold, held_out, p_value
@@ -22,7 +22,7 @@ LEAST_TRIALS = 10
 """With fewer, nothing is fitted."""
 
 
-def report(study: Study) -> tuple[dict[str, Any], AvoidanceConfig | None]:
+def report(study: Study) -> tuple[dict[str, Any], EnergyConfig | None]:
     """All figures as JSON values, and the fitted settings where there is something to fit."""
     trials, counts = arrays(study)
     result: dict[str, Any] = {
@@ -42,7 +42,7 @@ def report(study: Study) -> tuple[dict[str, Any], AvoidanceConfig | None]:
     config = fitted_settings(problem, best)
     fit = _fit_json(problem, counts, best) | {"p": p}
     fit["settings"] = {name: float(getattr(config, name)) for name in PARAMETERS}
-    return result | {"fit": fit}, AvoidanceConfig(energy=config)
+    return result | {"fit": fit}, config
 
 
 def arrays(study: Study) -> tuple[Trials, Float[np.ndarray, "T K"]]:

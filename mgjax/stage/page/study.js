@@ -1,7 +1,7 @@
 /*
  * The page that leads an observer through the trials of a study. A classic script, so that it runs
  * from a folder; each trial is a page of its own in a frame. `study-payload` holds {format, study,
- * question, trials: [{page, letters}]}; what was picked is kept in the browser until it is saved.
+ * trials: [{page, letters}]}; what was picked is kept in the browser until it is saved.
  */
 (() => {
   'use strict';
@@ -63,7 +63,7 @@
     }));
     const link = document.createElement('a');
     link.href = URL.createObjectURL(new Blob([`${lines.join('\n')}\n`], { type: 'application/jsonl' }));
-    link.download = `picks-${observer.replace(/[^\p{L}\p{N}]+/gu, '-')}.jsonl`;
+    link.download = `picks-${observer.replace(/[^\p{L}\p{N}]+/gu, '-').replace(/^-|-$/g, '')}.jsonl`;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   }

@@ -52,7 +52,7 @@ def trial_show(
         letter = LETTERS[place]
         aside = np.array([0.0, (place - (count - 1) / 2) * APART_M, 0.0])
         move = planar.compose(seen, planar.compose(aside, turned))
-        frames = frames_of(placed(motion, move))
+        frames = frames_of(placed(motion, np.asarray(move)))
         actors.append(Actor(id=letter, body=0, frames=frames, colour="grey", note=letter))
         for ball in attack_balls(attack, name=f"ball{letter}", now=now):
             balls.append(replace(ball, places=planar.apply(move, ball.places)))

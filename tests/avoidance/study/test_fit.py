@@ -44,7 +44,7 @@ def test_a_preference_is_found_and_foretells_picks_held_out():
     assert fit["p"] <= 0.01
     assert fit["held_out_agreement"] > result["agreement"]["chance"] + 0.2
     assert config is not None
-    settings = [getattr(config.energy, name) for name in PARAMETERS]
+    settings = [getattr(config, name) for name in PARAMETERS]
     assert fit["settings"] == dict(zip(PARAMETERS, settings, strict=True))
     assert sum(settings[:4]) == pytest.approx(6.0), "as heavy as the defaults"
 
