@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 
@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float
 from scipy.optimize import minimize
 
 from mgjax.avoidance.config import EnergyConfig
-from mgjax.avoidance.study.model import PARAMETERS, WEIGHTS, Trials, loss_and_slope
+from mgjax.avoidance.study.model import PARAMETERS, Trials, loss_and_slope
 
 LARGEST_WEIGHT = 300.0
 """An observer with such a weight is never in doubt."""
@@ -21,9 +21,6 @@ QUANTILES = (0.15, 0.5, 0.9)
 """Of the values in the trials: where fits begin, as the loss has several minima in them."""
 BEYOND = 4.0
 """D_body may be so many times the largest value that was seen."""
-_LIMIT = 1.959964
-"""Root of the 95 % quantile of χ² with one degree of freedom."""
-_REFINEMENTS = 3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -145,79 +142,3 @@ def descend(
     options = {"maxiter": 200, "ftol": 1e-6}
     found = minimize(value, start, jac=True, method="SLSQP", bounds=bounds, options=options)
     return Fit(vector=np.asarray(found.x, np.float64), loss=float(found.fun))
-
-
-def intervals(
-    problem: Problem, counts: Float[np.ndarray, "T K"], best: Fit
-) -> dict[str, tuple[float, float]]:
-    """95 % intervals of the parameters by profile likelihood.
-
-    A value belongs to the interval if the others can be fitted so that twice the loss is at most
-    3.84 above the least. Where that holds up to a bound the trials do not limit the parameter on
-    that side: the end is 0 or infinite. The picks count as independent.
-    """
-    found: dict[str, tuple[float, float]] = {}
-    for place, name in enumerate(PARAMETERS):
-        low, high = (_end(problem, counts, best, place, side) for side in (-1, 1))
-        found[name] = (low, high) if name in WEIGHTS else (float(np.exp(low)), float(np.exp(high)))
-    return found
-
-
-def _end(
-    problem: Problem, counts: Float[np.ndarray, "T K"], best: Fit, place: int, side: int
-) -> float:
-    """The end of an interval; in the parameter's own form, infinite where it is open."""
-    bound = float((problem.low if side < 0 else problem.high)[place])
-    is_weight = place < len(WEIGHTS)
-    # At the lower bound of a weight the energy is left out, which is a value like any other.
-    beyond = 0.0 if is_weight and side < 0 else side * np.inf
-    inside, last = float(best.vector[place]), best.vector
-    if not problem.free[place]:
-        return beyond
-    step = max(0.25 * inside, 0.25) if is_weight else 0.25
-    nearer, farther = 0.0, 0.0
-    while True:
-        outside = inside + side * step
-        at_bound = (outside - bound) * side >= 0
-        outside = bound if at_bound else outside
-        fit = _profile(problem, counts, place, outside, (last, best.vector))
-        farther = _root_deviance(fit, best)
-        if farther > _LIMIT:
-            break
-        if at_bound:
-            return beyond
-        inside, last, nearer, step = outside, fit.vector, farther, 1.5 * step
-    # The root of the deviance is nearly straight in the parameter.
-    for _ in range(_REFINEMENTS):
-        share = (_LIMIT - nearer) / max(farther - nearer, 1e-9)
-        middle = inside + float(np.clip(share, 0.05, 0.95)) * (outside - inside)
-        fit = _profile(problem, counts, place, middle, (last,), again=False)
-        value = _root_deviance(fit, best)
-        if value > _LIMIT:
-            outside, farther = middle, value
-        else:
-            inside, last, nearer = middle, fit.vector, value
-    share = (_LIMIT - nearer) / max(farther - nearer, 1e-9)
-    return inside + share * (outside - inside)
-
-
-def _root_deviance(fit: Fit, best: Fit) -> float:
-    return float(np.sqrt(max(2 * (fit.loss - best.loss), 0.0)))
-
-
-def _profile(
-    problem: Problem,
-    counts: Float[np.ndarray, "T K"],
-    place: int,
-    value: float,
-    known: tuple[Float[np.ndarray, " 6"], ...],
-    *,
-    again: bool = True,
-) -> Fit:
-    """The best fit with one parameter held, from those known and, again, from all beginnings."""
-    low, high = problem.low.copy(), problem.high.copy()
-    low[place] = high[place] = value
-    held = replace(problem, low=low, high=high)
-    pairs = problem.starts if again else []
-    starts = [*known, *(np.array([*known[-1][:4], *pair]) for pair in pairs)]
-    return min((descend(held, counts, start) for start in starts), key=lambda fit: fit.loss)

@@ -14,7 +14,8 @@ from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.score import Measures
 from mgjax.avoidance.study.agreement import between_observers, by_observer, with_search
 from mgjax.avoidance.study.chance import ALPHA, foretold, held_out, p_value
-from mgjax.avoidance.study.fit import Fit, Problem, fit_picks, intervals, problem_of
+from mgjax.avoidance.study.fit import Fit, Problem, fit_picks, problem_of
+from mgjax.avoidance.study.intervals import intervals
 from mgjax.avoidance.study.model import PARAMETERS, WEIGHTS, Trials, chance_loss
 from mgjax.avoidance.study.reading import MEASURES, Study
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance.study.chance import held_out, p_value
-from mgjax.avoidance.study.fit import fit_picks, intervals, problem_of
+from mgjax.avoidance.study.fit import fit_picks, problem_of
+from mgjax.avoidance.study.intervals import intervals
 from mgjax.avoidance.study.model import PARAMETERS, chance_loss
 from mgjax.avoidance.study.report import arrays, report
 from tests.avoidance.study.made import TRUTH, drawn_measures, picks_of, study_of
