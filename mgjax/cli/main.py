@@ -21,6 +21,7 @@ from mgjax.cli.arguments import (
     Quality,
     Scene,
     Sensor,
+    Study,
     View,
     Walk,
 )
@@ -37,6 +38,7 @@ MODULES: dict[type, str] = {
     Demo: "demo",
     Bench: "bench",
     Sensor: "sensor",
+    Study: "study",
     View: "view",
 }
 """Below this folder, the module of each command; its ``run`` takes the arguments."""
@@ -53,6 +55,7 @@ Command = (
     | Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Bench, tyro.conf.subcommand("bench")]
     | Annotated[Sensor, tyro.conf.subcommand("sensor")]
+    | Annotated[Study, tyro.conf.subcommand("study")]
     | Annotated[View, tyro.conf.subcommand("view")]
 )
 

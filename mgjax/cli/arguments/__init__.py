@@ -17,4 +17,7 @@ from mgjax.cli.arguments.sensor import Sensor as Sensor
 from mgjax.cli.arguments.shared import KnownReading as KnownReading
 from mgjax.cli.arguments.shared import Output as Output
 from mgjax.cli.arguments.shared import Reading as Reading
+from mgjax.cli.arguments.study import Export as Export
+from mgjax.cli.arguments.study import Score as Score
+from mgjax.cli.arguments.study import Study as Study
 from mgjax.cli.arguments.view import View as View

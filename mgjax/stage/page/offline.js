@@ -13,14 +13,14 @@ import * as ui from './ui.js';
  * @param {HTMLElement} root
  * @param {ArrayBuffer} packet of a show (types.py `Show`)
  * @param {object} options `dark` (true, false; else as the system), `play` (false: stands still at
- *   first), `follow` (id of an actor), `time` (s at which it begins)
+ *   first), `follow` (id of an actor), `time` (s at which it begins), `bare` (true: no words at the side)
  * @returns {{stage: object | null, player: object | null, stop(): void}} also as `window.mgjax`
  */
 export function start(root, packet, options = {}) {
   const show = unpack(packet);
   const kept = { camera: null, time: options.time ?? 0, playing: options.play ?? !calm(),
     speed: 1, loop: true, follow: options.follow ?? walker(show), dark: options.dark ?? ui.systemDark() };
-  const page = layOut(root, show);
+  const page = layOut(root, show, options.bare ?? false);
   let now = { stage: null, player: null };
 
   function open() {
@@ -82,14 +82,14 @@ function walker({ actors = [] }) {
 }
 
 /** View, bar and, where the show says anything, a side. */
-function layOut(root, show) {
+function layOut(root, show, bare) {
   root.className = 'mg-page mg-bare';
   const side = element('aside', { class: 'mg-side', 'aria-label': 'What is shown' });
   const view = element('main', { class: 'mg-view' });
   const under = element('div', { class: 'mg-under' });
   root.replaceChildren(view, under);
   const small = matchMedia('(max-width: 759px)').matches;
-  if (showInfo(side, show, { open: !small })) {
+  if (!bare && showInfo(side, show, { open: !small })) {
     root.append(side);
     root.classList.add('mg-told');
   }

@@ -1,44 +1,31 @@
-"""Trials of the observer study (§6.1): the clear candidates of a throw beside each other.
+"""The observer study (§6.1) on the live page: the clear candidates of a throw beside each other.
 
-A pick is one JSON object on a line:
-
-    {"format": "mgjax-study-1", "trial": 3, "observer": "A", "when": "2026-…",
-     "node": 17, "attack": {"radii", "times", "centres"},       as an attack's JSON file has it
-     "settings": {"form", "d0", "E_avoidance", "D_body", "D_move", "E_time", "E_fast", "w_a", "w_b",
-                  "w_m", "w_t", "w_speed_up", "T_window"},
-     "candidates": [{"letter", "edges", "scales", "part", "kind", "clearance_m", "energy": {
-                     "total", "avoidance", "body", "movement", "timescale", "penetration", "d",
-                     "d0", "displacement"}, "time_scale"}],      in the order in which they stood
-     "library": "B", "pick": "A"}
+Picks are kept in the study's format (:mod:`mgjax.avoidance.study.format`).
 """
 
 from __future__ import annotations
 
-import dataclasses
-import json
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
 
-from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.choice.explain import Explained
 from mgjax.avoidance.play.answers import Asked
+from mgjax.avoidance.study.format import pick_line, trial_json
+from mgjax.avoidance.study.trials import LETTERS, different_parts, shuffled
 from mgjax.core import planar
 from mgjax.core.errors import ConfigError
 from mgjax.stage.apps.throw.lane import Lane, Throw
 from mgjax.stage.apps.throw.replay import BEFORE_S, RATE, candidates_of, walk_frames
-from mgjax.stage.apps.throw.words import kind_of
 from mgjax.stage.serve.fields import text
 from mgjax.stage.serve.session import Message
-from mgjax.stage.show.body import body_of
-from mgjax.stage.show.frames import frames_of
-from mgjax.stage.show.types import Actor, Ball, Show
+from mgjax.stage.show.study import QUESTION, placed, trial_show
+from mgjax.stage.show.types import Show
 
-FORMAT = "mgjax-study-1"
-LETTERS = "ABCD"
-APART_M = 2.2
+MOST = 4
+"""Candidates of a trial."""
+_AFTER_S = 0.3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -56,112 +43,42 @@ def make_trial(number: int, lane: Lane, throw: Throw, rng: np.random.Generator) 
     """A trial of the best clear candidates of different parts; None of fewer than two."""
     if throw.found is None:
         return None
-    best: dict[int, Explained] = {}
-    for row in candidates_of(lane, throw.found.asked):
-        if row.outcome == "clear":
-            best.setdefault(row.part, row)
-    rows = list(best.values())[: len(LETTERS)]
+    rows = different_parts(candidates_of(lane, throw.found.asked))
     if len(rows) < 2:
         return None
-    order = rng.permutation(len(rows)).tolist()
-    return Trial(
-        number=number,
-        lane=lane,
-        asked=throw.found.asked,
-        shown=[rows[i] for i in order],
-        chosen=order.index(0),
-    )
+    shown, chosen = shuffled(rows, rng, MOST, best=True)
+    return Trial(number=number, lane=lane, asked=throw.found.asked, shown=shown, chosen=chosen)
 
 
-def trial_show(trial: Trial) -> Show:
-    """The candidates beside each other, each with its ball, and nothing that gives away which."""
+def show_of_trial(trial: Trial) -> Show:
+    """The candidates beside each other, from a little before the path begins."""
     lane, asked = trial.lane, trial.asked
-    count = len(trial.shown)
     first = max(asked.begins - BEFORE_S, 0.0)
-    seconds = asked.begins + asked.attack.end + 0.3 - first
+    seconds = asked.begins + asked.attack.end + _AFTER_S - first
     times = first + np.arange(max(int(seconds * RATE), 2)) / RATE
-    actors: list[Actor] = []
-    balls: list[Ball] = []
     inverse = np.asarray(planar.inverse(asked.place))
-    for place, row in enumerate(trial.shown):
-        aside = np.array([0.0, -(place - (count - 1) / 2) * APART_M, 0.0])
-        move = np.asarray(planar.compose(aside, inverse))
-        motion = walk_frames(lane, asked, row, times)
-        root, turn = planar.apply_pose(
-            move,
-            np.asarray(motion.root_translation, np.float64),
-            np.asarray(motion.local_rotations[:, 0], np.float64),
-        )
-        rotations = np.array(motion.local_rotations)
-        rotations[:, 0] = turn
-        moved = dataclasses.replace(
-            motion, root_translation=np.asarray(root), local_rotations=rotations
-        )
-        letter = LETTERS[place]
-        actors.append(Actor(id=letter, body=0, frames=frames_of(moved), colour="grey", note=letter))
-        attack = asked.attack
-        balls.append(
-            Ball(
-                id=f"ball{letter}",
-                radius=float(attack.radii[0]),
-                times=attack.times + asked.begins - first,
-                places=np.asarray(planar.apply(aside, attack.centres[:, 0])),
-            )
-        )
-    return Show(
+    return trial_show(
+        lane.prepared.graph.skeleton,
+        [placed(walk_frames(lane, asked, row, times), inverse) for row in trial.shown],
+        asked.attack,
         title=f"Trial {trial.number}",
-        words="Which one avoids the ball with the least movement?",
-        seconds=seconds,
-        bodies=[body_of(lane.prepared.graph.skeleton)],
-        actors=actors,
-        balls=balls,
+        words=QUESTION,
+        now=asked.begins - first,
     )
 
 
-def pick_line(trial: Trial, pick: str, observer: str) -> str:
+def line_of(trial: Trial, pick: str, observer: str) -> str:
     """A pick as a line of the study's file."""
-    asked = trial.asked
-    energy = trial.lane.config.energy
-    settings: dict[str, Any] = {
-        f.name: v if isinstance(v := getattr(energy, f.name), str) else float(v)
-        for f in dataclasses.fields(energy)
-    }
-    record = {
-        "format": FORMAT,
-        "trial": trial.number,
-        "observer": observer,
-        "when": datetime.now(UTC).isoformat(timespec="seconds"),
-        "node": asked.node,
-        "attack": _attack_json(asked.attack),
-        "settings": settings | {"T_window": trial.lane.config.T_window},
-        "candidates": [_candidate(trial, i) for i in range(len(trial.shown))],
-        "library": LETTERS[trial.chosen],
-        "pick": pick,
-    }
-    return json.dumps(record, allow_nan=False)
-
-
-def _attack_json(attack: Attack) -> dict[str, Any]:
-    return {
-        "radii": attack.radii.tolist(),
-        "times": attack.times.tolist(),
-        "centres": attack.centres.tolist(),
-    }
-
-
-def _candidate(trial: Trial, place: int) -> dict[str, Any]:
-    row = trial.shown[place]
-    assert row.energy is not None, "only candidates that can be timed are clear"
-    return {
-        "letter": LETTERS[place],
-        "edges": row.walk.edges[: row.path_length].tolist(),
-        "scales": row.walk.scales[: row.path_length].tolist(),
-        "part": row.part,
-        "kind": kind_of(trial.lane.prepared.graph, row.part),
-        "clearance_m": row.clearance_m,
-        "energy": dataclasses.asdict(row.energy),
-        "time_scale": row.time_scale,
-    }
+    record = trial_json(
+        trial.lane.prepared.graph,
+        trial.lane.config,
+        number=trial.number,
+        node=trial.asked.node,
+        attack=trial.asked.attack,
+        rows=trial.shown,
+        library=trial.chosen,
+    )
+    return pick_line(record, pick, observer)
 
 
 class Study:
@@ -189,7 +106,7 @@ class Study:
                 got="a throw with fewer than two clear ways out", expected="another throw"
             )
         self._trial = trial
-        return trial_show(trial)
+        return show_of_trial(trial)
 
     def give_up(self) -> None:
         """The trial is left without a pick."""
@@ -201,7 +118,7 @@ class Study:
             raise ConfigError(got="a pick without a trial", expected="compare first")
         letter = text(message, "letter", self.letters)
         observer = text(message, "observer", most=40)
-        self._picks.append(pick_line(self._trial, letter, observer))
+        self._picks.append(line_of(self._trial, letter, observer))
         agrees = letter == LETTERS[self._trial.chosen]
         self._trial = None
         return {"agrees": agrees, "picks": len(self._picks)}

@@ -188,7 +188,7 @@ def test_a_study_keeps_picks_in_its_format(open_tab, tmp_path):
     tab.session.receive({"type": "picks"})
     (file,) = tab.of_type("file")
     record = json.loads(bytes(file["data"]).decode())
-    assert (record["format"], record["pick"], record["observer"]) == ("mgjax-study-1", "B", "me")
+    assert (record["format"], record["pick"], record["observer"]) == ("mgjax-study-2", "B", "me")
     totals = {c["letter"]: c["energy"]["total"] for c in record["candidates"]}
     assert min(totals, key=totals.__getitem__) == record["library"]
     path = tmp_path / "attack.json"
