@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.core.content_key import content_key
 from mgjax.core.errors import FileFormatError
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton
 from mgjax.io.acclaim.amc import find_asf
+from mgjax.io.content_key import content_key
 from mgjax.io.load import read_capture
 from mgjax.io.reading.capture import Capture
 from mgjax.io.reading.interpret import BODY_M

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.core.content_key import content_key
 from mgjax.core.errors import FileFormatError, OutputError, printable
+from mgjax.io.content_key import content_key
 from mgjax.io.output import replace_file
 from mgjax.io.store import load_arrays, save_arrays
 from mgjax.io.text import reason

@@ -16,7 +16,7 @@ from mgjax.core.skeleton import Skeleton
 from mgjax.io.bvh.write import save_bvh
 from mgjax.stage.bundle import short_text
 from mgjax.stage.html import page_html
-from mgjax.stage.show.study import QUESTION, trial_show
+from mgjax.stage.study import QUESTION, trial_show
 
 THINNED = 2
 """Every second frame of the written motion is shown: 60 a second."""

@@ -12,9 +12,9 @@ import numpy as np
 
 from mgjax.avoidance.index.build import build_index
 from mgjax.avoidance.index.files import FILE_NAME, save_index
-from mgjax.core.content_key import content_key
 from mgjax.graph.files import save_graph
 from mgjax.graph.types import MotionGraph
+from mgjax.io.content_key import content_key
 from mgjax.io.output import replace_file
 from mgjax.io.stages import StageStore
 

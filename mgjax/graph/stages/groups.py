@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mgjax.core.content_key import content_key
 from mgjax.graph.stages.stages import Stages
 from mgjax.graph.timeline import ClipTimeline
+from mgjax.io.content_key import content_key
 
 STAGE = "groups"
 

@@ -9,7 +9,6 @@ import numpy as np
 from tqdm import tqdm
 
 from mgjax.core.body.height import ADULT_M, body_scale
-from mgjax.core.content_key import content_key
 from mgjax.core.parallel.run import run_all
 from mgjax.graph.distances.axis import make_axis
 from mgjax.graph.distances.bounds import principal
@@ -18,6 +17,7 @@ from mgjax.graph.stages.block import PART, BlockTask, search_block, tile_counts,
 from mgjax.graph.stages.groups import Group
 from mgjax.graph.stages.stages import Stages
 from mgjax.graph.timeline import ClipTimeline
+from mgjax.io.content_key import content_key
 
 STAGE = "minima"
 

@@ -12,9 +12,9 @@ from typing import Any
 import jax
 import numpy as np
 
-from mgjax.core.content_key import content_key
 from mgjax.core.parallel.executors import SerialExecutor
 from mgjax.graph.distances.pruned import TILE
+from mgjax.io.content_key import content_key
 from mgjax.io.stages import StageStore
 
 PROGRAMS = ("core", "io", "clips", "graph", "avoidance")

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from mgjax.core.body.height import body_scale
-from mgjax.core.content_key import content_key
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.distances.minima import Minima, find_minima
 from mgjax.graph.feet.legs import FootChains
@@ -21,6 +20,7 @@ from mgjax.graph.stages.stages import Stages
 from mgjax.graph.stages.transitions import BlendSettings, staged_transitions
 from mgjax.graph.timeline import ClipTimeline
 from mgjax.graph.transition import build_transitions
+from mgjax.io.content_key import content_key
 
 GRAPH = "graph"
 """The stage that finds which transitions are kept."""

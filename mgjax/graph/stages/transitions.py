@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from tqdm import tqdm
 
-from mgjax.core.content_key import content_key
 from mgjax.core.parallel.run import run_all
 from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.padding import bucket_size
@@ -17,6 +16,7 @@ from mgjax.graph.stages.groups import Group
 from mgjax.graph.stages.stages import Stages
 from mgjax.graph.timeline import ClipTimeline
 from mgjax.graph.transition import CHUNK, FRAMES, build_transitions
+from mgjax.io.content_key import content_key
 
 STAGE = "transitions"
 _CALLS = 4

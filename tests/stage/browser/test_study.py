@@ -8,7 +8,7 @@ from mgjax.clips.synthetic import synthetic_clips
 from mgjax.core.motion import cut
 from mgjax.stage.html import page_html
 from mgjax.stage.observers import index_html
-from mgjax.stage.show.study import trial_show
+from mgjax.stage.study import trial_show
 from tests.avoidance.study.made import drawn_measures, key_text
 
 SIZES = (4, 2)

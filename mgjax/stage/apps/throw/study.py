@@ -20,8 +20,8 @@ from mgjax.stage.apps.throw.lane import Lane, Throw
 from mgjax.stage.apps.throw.replay import BEFORE_S, RATE, candidates_of, walk_frames
 from mgjax.stage.serve.fields import text
 from mgjax.stage.serve.session import Message
-from mgjax.stage.show.study import QUESTION, placed, trial_show
 from mgjax.stage.show.types import Show
+from mgjax.stage.study import QUESTION, placed, trial_show
 
 MOST = 4
 """Candidates of a trial."""

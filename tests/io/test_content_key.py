@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from mgjax.core.content_key import content_key
+from mgjax.io.content_key import content_key
 
 
 @dataclass
