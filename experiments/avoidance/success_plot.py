@@ -16,7 +16,7 @@ LABELS = {
     "arrival": "arrives in, s",
     "direction": "comes from, degrees from ahead towards the left",
 }
-COLOURS = ("#2a7f4f", "#c0392b", "#9aa0a6", "#d8a31a", "#5b8db8", "#333333")
+COLOURS = ("#2a7f4f", "#c0392b", "#9aa0a6", "#d8a31a", "#5b8db8", "#333333", "#8e44ad")
 
 
 def _share(axes: Axes, x: Any, rows: list[dict[str, Any]], colour: str, **more: Any) -> None:

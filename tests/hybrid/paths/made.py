@@ -16,4 +16,5 @@ def walking(
 ) -> MotionGraph:
     """Embedded clips of walking with few transitions, so that all walks can be enumerated."""
     clips = [clip for clip in synthetic_clips()[0] if clip.name in names]
-    return build_graph(clips, config=GraphConfig(threshold_m=0.05, neighbourhood=neighbourhood))
+    config = GraphConfig(threshold_m=0.05, neighbourhood=neighbourhood, best_per_s=0)
+    return build_graph(clips, config=config)
