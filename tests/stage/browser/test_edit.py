@@ -158,7 +158,7 @@ def read(folder: Path) -> dict[str, Any]:
 def save(page: Any) -> None:
     page.wait_for_selector("[data-name=unsaved][data-changed=true]", state="attached")
     page.keyboard.press("s")
-    said(page, "Saved")
+    # What is said of it another sentence may follow at once.
     page.wait_for_selector("[data-name=unsaved][data-changed=false]", state="attached")
 
 
@@ -170,6 +170,7 @@ def test_a_label_is_dragged_and_saved(tab: Any, written: tuple[Path, str]) -> No
     x, y = middle(tab, f"[data-name={first}-stop]")
     drag(tab, x, y, pixels(tab, 0.5))
     save(tab)
+    said(tab, "Saved")
     after = read(folder)["duck.bvh"]
     assert after[0].end_s == pytest.approx(before[0].end_s + 0.5, abs=1.5 / RATE)
     assert after[0].start_s == before[0].start_s

@@ -15,6 +15,13 @@ SIZES = (4, 2)
 """Candidates of the trials."""
 
 
+PLAYS = """async () => {
+  while (!(window.mgjax?.player?.time > 0.1)) await new Promise((done) => setTimeout(done, 50));
+  return window.mgjax.player.time;
+}"""
+"""The time that is shown once the page plays."""
+
+
 @pytest.fixture
 def folder(tmp_path):
     """Two trials whose candidates are pieces of one clip."""
@@ -36,7 +43,9 @@ def test_an_observer_picks_goes_on_and_saves(chromium, folder):
     context.on("weberror", lambda error: noted.append(str(error.error)))
     page = context.new_page()
     page.goto((folder / "index.html").as_uri())
-    page.frames[1].wait_for_function("window.mgjax && window.mgjax.player.time > 0.1")
+    # The page of a trial allows no ``eval``, by which Playwright would wait for a function.
+    plays = page.frames[1].evaluate(PLAYS)
+    assert plays > 0.1
     assert page.locator("#picks button").all_text_contents() == ["A", "B", "C", "D"]
     page.click("#picks button:nth-child(2)")
     assert page.locator("#save").is_disabled(), "nobody has said who picks"
