@@ -20,9 +20,9 @@ SOFT, STRAIGHT = 0.96, 0.99
 the second. A leg that is straighter in the motion may stay so."""
 MOST_TURN = math.radians(25.0)
 """A foot is turned on the floor by less than this, rad."""
-SWIVEL = 0.75
+SWIVEL = 0.4
 """Share of a foot's turn by which its leg goes along, about the line from hip to ankle. Turned
-alone a foot twists its ankle beyond what ankles do."""
+alone a foot twists its ankle beyond what ankles do; the leg wholly with it puts knee to knee."""
 FLAT_M = 0.04
 """An adult's foot whose ball and ankle are nearer than this over the floor is hardly turned, m."""
 
