@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,6 +15,7 @@ from experiments.quality.strips import surface
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.core.motion import Motion, sample
 from mgjax.core.skeleton import Skeleton
+from mgjax.runs.experiment import Results
 from mgjax.stage.show.body import body_of
 from mgjax.stage.show.frames import frames_of
 from mgjax.stage.still import skinned
@@ -45,6 +47,21 @@ class Strip:
     sphere: int = 0
 
 
+def drawn_results(
+    rows: list[dict[str, Any]],
+    drawn: Sequence[Strip],
+    wanted: int,
+    line: Callable[[dict[str, Any]], str],
+) -> Results:
+    """Rows as metrics and lines, and some of the answers as a figure ``strips``."""
+    chosen = [drawn[k] for k in _spread(len(drawn), wanted)]
+    return Results(
+        metrics={"rows": rows, "drawn": [strip.title for strip in chosen]},
+        figures={"strips": lambda: strips_figure(chosen)},
+        lines=tuple(line(row) for row in rows),
+    )
+
+
 def strips_figure(strips: Sequence[Strip]) -> Figure:
     """Each answer in a row; the red body is that of the moment that matters."""
     rows = max(len(strips), 1)
@@ -54,7 +71,7 @@ def strips_figure(strips: Sequence[Strip]) -> Figure:
     return figure
 
 
-def spread(count: int, wanted: int) -> list[int]:
+def _spread(count: int, wanted: int) -> list[int]:
     """Numbers spread evenly over all."""
     if not count:
         return []

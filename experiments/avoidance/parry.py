@@ -16,9 +16,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from experiments.avoidance.attack_strips import Strip, spread, strips_figure
+from experiments.avoidance.attack_strips import Strip, drawn_results
 from experiments.avoidance.graphs import built, graph_of
 from experiments.avoidance.throws import (
     OUTCOMES,
@@ -76,16 +75,7 @@ def run(config: Config) -> Results:
         row, found = _measured(config, graph, arrives)
         rows.append(row)
         drawn += found
-    chosen = [drawn[k] for k in spread(len(drawn), config.strips)]
-
-    def strips() -> Figure:
-        return strips_figure(chosen)
-
-    return Results(
-        metrics={"rows": rows, "drawn": [strip.title for strip in chosen]},
-        figures={"strips": strips},
-        lines=tuple(_line(row) for row in rows),
-    )
+    return drawn_results(rows, drawn, config.strips, _line)
 
 
 def _measured(

@@ -16,6 +16,7 @@ from mgjax.avoidance.parry.guard import guard_of
 from mgjax.avoidance.parry.lanes import Asked, empty_lanes, lanes_of, touching
 from mgjax.avoidance.parry.trials import try_jitted
 from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.avoidance.refinement.refinement import JointChange
 from mgjax.core import quaternion
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
@@ -28,8 +29,12 @@ AFTER_S = STAY_S + FALL_S + 2 / EXPORT_RATE
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Parry:
+class Parry(JointChange):
     """How an arm meets an attack.
+
+    Its ``values`` are rotation vectors by which shoulder and elbow turn in their own frames, rad:
+    zero with their first two derivatives at both ends. [W, 6] Its ``clearance_m`` is that to all
+    but the forearm and hand that meet the attack; the sphere that they meet ends at the contact.
 
     Attributes:
         limb: what meets it, such as ``"left_forearm"``.
@@ -38,15 +43,6 @@ class Parry:
         place: of the contact, in the frame of the attack, m. [3]
         square: cosine between the way of the attack and the direction in which it presses: 1 head
             on.
-        start: of the window in which the arm is led, s from now.
-        values: rotation vectors by which shoulder and elbow turn in their own frames from then on,
-            120 times a second, rad. Zero with their first two derivatives at both ends. [W, 6]
-        joints: names of the joints that are moved or turned.
-        moved_m: how far each of them is moved at most, m.
-        turned_deg: how far each of them turns at most in its parent's frame, degrees.
-        clearance_before_m: signed distance of attack and body without it, m.
-        clearance_m: with it, to all but the forearm and hand that meet it; the sphere that they
-            meet ends at the contact.
     """
 
     limb: str
@@ -54,37 +50,15 @@ class Parry:
     time: float
     place: Float[np.ndarray, "3"]
     square: float
-    start: float
-    values: Float[np.ndarray, "W 6"]
-    joints: tuple[str, ...]
-    moved_m: tuple[float, ...]
-    turned_deg: tuple[float, ...]
-    clearance_before_m: float
-    clearance_m: float
 
     @property
     def side(self) -> str:
         """Of the arm."""
         return self.limb.split("_")[0]
 
-    @property
-    def stop(self) -> float:
-        """End of the window, s from now."""
-        return self.start + (len(self.values) - 1) / EXPORT_RATE
-
     def left_of(self, attack: Attack) -> Attack:
         """What is left of the attack: the sphere that is met ends at the contact."""
         return attack.ended(self.sphere, self.time)
-
-    @property
-    def largest_m(self) -> float:
-        """How far any joint is moved at most, m."""
-        return max(self.moved_m, default=0.0)
-
-    @property
-    def largest_deg(self) -> float:
-        """How far any joint turns at most, degrees."""
-        return max(self.turned_deg, default=0.0)
 
 
 def find_parry(

@@ -21,21 +21,17 @@ FADE_S = 0.12
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Refinement:
-    """How a motion was changed so that an attack misses it.
+class JointChange:
+    """What a change does to joints: of whatever changes a motion by curves within a window.
 
     Attributes:
         start: of the window in which it is changed, s from now.
-        values: channels of :class:`~mgjax.avoidance.refinement.rig.Rig` from then on, 120 times a
-            second, m and rad; the root and the feet are moved in the frame of the attack. Zero at
-            both ends. [W, C]
+        values: channels from then on, 120 times a second. Zero at both ends. [W, C]
         joints: names of the joints that it changes.
         moved_m: how far each of them is moved at most, m.
         turned_deg: how far each of them turns at most in its parent's frame, degrees.
         clearance_before_m, clearance_m: signed distance of attack and body without it and with
             it, m.
-        coefficients: of the splines that ``values`` come from, before planted feet are left where
-            they are; see :mod:`mgjax.avoidance.refinement.splines`. [K, C]
     """
 
     start: float
@@ -45,7 +41,6 @@ class Refinement:
     turned_deg: tuple[float, ...]
     clearance_before_m: float
     clearance_m: float
-    coefficients: Float[np.ndarray, "K C"]
 
     @property
     def stop(self) -> float:
@@ -61,6 +56,21 @@ class Refinement:
     def largest_deg(self) -> float:
         """How far any joint turns at most, degrees."""
         return max(self.turned_deg, default=0.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Refinement(JointChange):
+    """How a motion was changed so that an attack misses it.
+
+    Its ``values`` are channels of :class:`~mgjax.avoidance.refinement.rig.Rig`, m and rad; the root
+    and the feet are moved in the frame of the attack.
+
+    Attributes:
+        coefficients: of the splines that ``values`` come from, before planted feet are left where
+            they are; see :mod:`mgjax.avoidance.refinement.splines`. [K, C]
+    """
+
+    coefficients: Float[np.ndarray, "K C"]
 
     def effort(self, config: AvoidanceConfig) -> float:
         """The larger of move and turn, as shares of the caps; 0 … 1."""

@@ -18,7 +18,7 @@ def with_search(study: Study, picks: list[Pick]) -> dict[str, Any]:
     independent picks as there are trials: several observers of a trial see the same candidates.
     """
     known = [study.trials[pick.trial] for pick in picks]
-    same = [pick.place == trial.library for pick, trial in zip(picks, known, strict=True)]
+    same = [pick.place == trial.taken for pick, trial in zip(picks, known, strict=True)]
     count = len({pick.trial for pick in picks})
     share = float(np.mean(same))
     return {

@@ -45,7 +45,7 @@ def trial_json(
     node: int,
     attack: Attack,
     rows: Sequence[Explained],
-    library: int,
+    taken: int,
 ) -> dict[str, Any]:
     """A trial as JSON values.
 
@@ -54,7 +54,7 @@ def trial_json(
         number: of the trial.
         node, attack: what was asked.
         rows: candidates in the order in which they stood.
-        library: place of the one that the search takes.
+        taken: place of the one that the search takes.
     """
     settings: dict[str, Any] = {
         f.name: v if isinstance(v := getattr(config.energy, f.name), str) else float(v)
@@ -67,7 +67,7 @@ def trial_json(
         "body_scale": float(graph.body_scale),
         "settings": settings | {"T_window": config.T_window},
         "candidates": [_candidate(graph, place, row) for place, row in enumerate(rows)],
-        "library": LETTERS[library],
+        "library": LETTERS[taken],
     }
 
 
@@ -107,7 +107,7 @@ def key_json(
             node=trial.node,
             attack=trial.attack,
             rows=[way.row for way in trial.ways],
-            library=trial.library,
+            taken=trial.taken,
         )
         for trial in trials
     ]

@@ -29,13 +29,13 @@ class Known:
     Attributes:
         number: in its study.
         measures: of each candidate, as ``MEASURES``, of an adult's size.
-        library: place of the candidate that the search took.
+        taken: place of the candidate that the search took.
         settings: of the search.
     """
 
     number: int
     measures: tuple[tuple[float, ...], ...]
-    library: int
+    taken: int
     settings: EnergyConfig
 
 
@@ -200,7 +200,7 @@ def _known(path: str | Path, line: int, record: Any) -> Known:
     return Known(
         number=number,
         measures=tuple(_measures(path, line, row, number, scale) for row in rows),
-        library=_letter(path, line, record, "library", len(rows)),
+        taken=_letter(path, line, record, "library", len(rows)),
         settings=energy,
     )
 

@@ -49,14 +49,14 @@ class Trial:
         node: where the character stands.
         attack: in the planar frame of the body there.
         ways: two or more, of different avoidance parts.
-        library: place of the one that the search takes.
+        taken: place of the one that the search takes.
     """
 
     number: int
     node: int
     attack: Attack
     ways: list[Way]
-    library: int
+    taken: int
 
 
 def different_parts(rows: Iterable[Explained]) -> list[Explained]:
@@ -131,9 +131,9 @@ def make_trials(
         ways = ways_out(prepared, node, attack, config)
         if len(ways) < 2:
             continue
-        shown, library = shuffled(ways, rng, most, best=False)
+        shown, taken = shuffled(ways, rng, most, best=False)
         number = len(trials) + 1
-        trials.append(Trial(number=number, node=node, attack=attack, ways=shown, library=library))
+        trials.append(Trial(number=number, node=node, attack=attack, ways=shown, taken=taken))
         if number == count:
             return trials
     raise GraphError(

@@ -64,7 +64,7 @@ def study_of(measured: Measured, picks: dict[str, Sequence[int]]) -> Study:
         str(number): Known(
             number=number,
             measures=tuple(map(tuple, candidates)),
-            library=0,
+            taken=0,
             settings=EnergyConfig(),
         )
         for number, candidates in enumerate(measured, 1)

@@ -30,7 +30,7 @@ _AFTER_S = 0.3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trial:
-    """Candidates in the order in which they stand; the library's own choice is ``chosen``."""
+    """Candidates in the order in which they stand; the search's own choice is ``chosen``."""
 
     number: int
     lane: Lane
@@ -76,7 +76,7 @@ def line_of(trial: Trial, pick: str, observer: str) -> str:
         node=trial.asked.node,
         attack=trial.asked.attack,
         rows=trial.shown,
-        library=trial.chosen,
+        taken=trial.chosen,
     )
     return pick_line(record, pick, observer)
 
