@@ -17,6 +17,7 @@ from mgjax.cli.arguments import (
     Convert,
     Coverage,
     Demo,
+    Fetch,
     Info,
     Quality,
     Scene,
@@ -30,6 +31,7 @@ MODULES: dict[type, str] = {
     Info: "files.info",
     Convert: "files.convert",
     Quality: "files.quality",
+    Fetch: "files.fetch",
     Build: "build",
     Avoid: "avoid",
     Walk: "walk",
@@ -47,6 +49,7 @@ Command = (
     Annotated[Info, tyro.conf.subcommand("info")]
     | Annotated[Convert, tyro.conf.subcommand("convert")]
     | Annotated[Quality, tyro.conf.subcommand("quality")]
+    | Annotated[Fetch, tyro.conf.subcommand("fetch")]
     | Annotated[Build, tyro.conf.subcommand("build")]
     | Annotated[Avoid, tyro.conf.subcommand("avoid")]
     | Annotated[Walk, tyro.conf.subcommand("walk")]
@@ -71,7 +74,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     from mgjax.core.errors import MgjaxError
 
-    if not isinstance(command, View):  # its server computes nothing, and is there at once
+    if not isinstance(command, View | Fetch):  # they compute nothing here, and begin at once
         from mgjax.core.xla.compilation import enable_cache
 
         enable_cache()

@@ -87,5 +87,9 @@ class OutputError(MgjaxError):
     """A folder or file that cannot be written."""
 
 
+class FetchError(MgjaxError):
+    """Something that does not come from the network, or not whole."""
+
+
 class WorkerError(MgjaxError):
     """A worker process or machine that ended before its work was done."""

@@ -25,6 +25,7 @@ AVOID_KEYS = {
 COMMANDS = [
     "info",
     "convert",
+    "fetch",
     "quality",
     "build",
     "avoid",

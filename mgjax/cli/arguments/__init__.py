@@ -4,6 +4,7 @@ from mgjax.cli.arguments.graphs import Bench as Bench
 from mgjax.cli.arguments.graphs import Build as Build
 from mgjax.cli.arguments.graphs import Coverage as Coverage
 from mgjax.cli.arguments.motions import Convert as Convert
+from mgjax.cli.arguments.motions import Fetch as Fetch
 from mgjax.cli.arguments.motions import Info as Info
 from mgjax.cli.arguments.motions import Quality as Quality
 from mgjax.cli.arguments.rooms import Avoid as Avoid

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import tyro
 
-from mgjax.cli.arguments.shared import KnownReading, Reading
+from mgjax.cli.arguments.shared import KnownReading, Output, Reading
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,3 +51,15 @@ class Quality(KnownReading):
     """Files or folders of uncut capture, whose figures stand beside those of the files."""
     out: Path | None = None
     """Folder for quality.json and a picture of each file."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fetch(Output):
+    """Fetch motion capture from the network into the cache folder; what is there is not fetched."""
+
+    database: tyro.conf.Positional[Literal["cmu"]]
+    """cmu: the CMU Graphics Lab Motion Capture Database."""
+    subjects: tyro.conf.Positional[tuple[int, ...]] = ()
+    """Numbers of subjects, such as 14 49 127; without them all are listed."""
+    server: str | None = None
+    """Address of a copy of the database; default: its own."""

@@ -1,0 +1,1 @@
+"""Motion capture from the network, in files that are whole or not there."""
