@@ -12,7 +12,7 @@ CORE := $(VENV)/.core-$(VERSION)
 DEV := $(VENV)/.dev-$(VERSION)
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: help demo view test test-browser test-long browser pictures lint dist clean
+.PHONY: help demo view test test-browser test-long browser pictures docs lint dist clean
 
 help:
 	@echo "make demo       throw balls at a character made of the embedded clips (out/demo)"
@@ -22,6 +22,7 @@ help:
 	@echo "make test-long  run those that take minutes"
 	@echo "make lint       ruff, pyright, import-linter"
 	@echo "make pictures   make the pictures of README.md anew (experiments/pictures)"
+	@echo "make docs       build the documentation as a site (out/site); a warning is an error"
 	@echo "make dist       build the wheel and the source archive (dist)"
 	@echo "make clean      remove $(VENV), out and dist"
 	@echo "PYTHON=python3.12 chooses the Python"
@@ -63,6 +64,10 @@ pictures: $(DEV)
 
 test-long: $(DEV)
 	$(BIN)/python -m pytest -m long --numprocesses 2 --dist worksteal
+
+# Readable without a server: out/site/index.html.
+docs: $(DEV)
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
 
 lint: $(DEV)
 	$(BIN)/ruff check .

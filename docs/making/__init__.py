@@ -1,0 +1,1 @@
+"""What mkdocs needs to make the site: its hooks, players, links and pages of the reference."""
