@@ -6,7 +6,7 @@
   the speed that hands and feet then reach.
 
     python -m experiments.avoidance.calibrate --config configs/avoidance/calibrate.toml \\
-        --set graph=out/real --out out/avoidance/calibrate
+        --set clips=capture --out out/avoidance/calibrate
 
 Without a graph it uses the embedded clips.
 """
@@ -44,6 +44,10 @@ class Config:
 
     graph: str = ""
     """Folder of a graph; empty: that of the embedded clips."""
+    clips: str = ""
+    """Folder of clips with its labels.json, of which a graph is built; empty: the graph."""
+    exclude: tuple[str, ...] = ("bvh_converted/*",)
+    """Globs on paths below the folder of clips that are left out."""
     balls: int = 200
     """10 m/s from any side, 0.5–1.7 m high over the root, there in 1.2 s, at random nodes."""
     seed: int = 0
@@ -53,12 +57,12 @@ class Config:
 
     @classmethod
     def smoke(cls) -> dict[str, Any]:
-        return {"graph": "", "balls": 3, "V_slow": (0.1, 3.0)}
+        return {"graph": "", "clips": "", "balls": 3, "V_slow": (0.1, 3.0)}
 
 
 def run(config: Config, points: Points) -> Results:
     """Measures both; what an interrupted run has measured is taken over."""
-    graph = graph_of(config.graph)
+    graph = graph_of(config.graph, config.clips, config.exclude)
     balls = seeded_balls(graph, config.balls, config.seed)
     top = edge_tables(graph, AvoidanceConfig().body_rate).top_speed
     metrics: dict[str, Any] = {

@@ -1,7 +1,7 @@
 """Culling by slices (§5.2): what it drops that was clear, what it keeps that is hit, what it saves.
 
     python -m experiments.avoidance.culling --config configs/avoidance/culling.toml \\
-        --set graph=out/real --out out/avoidance/culling
+        --set clips=capture --out out/avoidance/culling
 
 Without a graph it uses the embedded clips. A candidate counts as clear if the exact check finds
 that the path, and what can follow it, stays clear of the ball until that is gone.
@@ -40,6 +40,10 @@ class Config:
 
     graph: str = ""
     """Folder of a graph; empty: that of the embedded clips."""
+    clips: str = ""
+    """Folder of clips with its labels.json, of which a graph is built; empty: the graph."""
+    exclude: tuple[str, ...] = ("bvh_converted/*",)
+    """Globs on paths below the folder of clips that are left out."""
     balls: int = 200
     """Balls of the standard kind whose candidates are counted and timed."""
     checked: int = 60
@@ -61,6 +65,7 @@ class Config:
     def smoke(cls) -> dict[str, Any]:
         return {
             "graph": "",
+            "clips": "",
             "balls": 3,
             "checked": 4,
             "repeats": 1,
@@ -72,7 +77,7 @@ class Config:
 
 def run(config: Config) -> Results:
     """Counts errors over thresholds, compares the answers, and measures times."""
-    graph, settings = graph_of(config.graph), config.avoidance
+    graph, settings = graph_of(config.graph, config.clips, config.exclude), config.avoidance
     tables = prepared_for(graph, settings).tables
     start = time.perf_counter()
     slices = build_slices(tables, graph.body_scale)

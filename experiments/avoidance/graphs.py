@@ -52,8 +52,15 @@ def built(
     return build_graph(named, labels=labels, config=config)
 
 
-def graph_of(path: str | Path | None) -> MotionGraph:
-    """The graph in a folder; None or "" for that of the embedded clips."""
+def graph_of(
+    path: str | Path | None, clips: str = "", exclude: tuple[str, ...] = ()
+) -> MotionGraph:
+    """The graph of a folder of clips at the automatic threshold, or the one in a folder.
+
+    Without either that of the embedded clips.
+    """
+    if clips:
+        return built(clips, exclude, threshold_m=None)
     return load_graph(path) if path else built()
 
 

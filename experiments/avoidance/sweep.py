@@ -1,7 +1,7 @@
 """What each setting of the avoidance changes: choice, success, clearance, time scale, saturation.
 
     python -m experiments.avoidance.sweep --config configs/avoidance/sweep.toml \\
-        --set graph=out/real --out out/avoidance/sweep
+        --set clips=capture --out out/avoidance/sweep
 
 Without a graph it uses the embedded clips. The balls are the standard ones: 10 m/s from any side,
 level, 0.5–1.7 m high over the root, there in 1.2 s, at random nodes; of the crop only the radius
@@ -44,6 +44,10 @@ class Config:
 
     graph: str = ""
     """Folder of a graph; empty: that of the embedded clips."""
+    clips: str = ""
+    """Folder of clips with its labels.json, of which a graph is built; empty: the graph."""
+    exclude: tuple[str, ...] = ("bvh_converted/*",)
+    """Globs on paths below the folder of clips that are left out."""
     balls: int = 100
     """Standard balls."""
     seed: int = 0
@@ -75,6 +79,7 @@ class Config:
     def smoke(cls) -> dict[str, Any]:
         return {
             "graph": "",
+            "clips": "",
             "balls": 3,
             "E_avoidance": (0.001, 0.0085),
             "E_paper": (0.5, 1.14),
@@ -90,7 +95,7 @@ class Config:
 
 def run(config: Config, points: Points) -> Results:
     """Measures all settings; those of an interrupted run are taken over."""
-    graph = graph_of(config.graph)
+    graph = graph_of(config.graph, config.clips, config.exclude)
     throws = standard_throws(config.balls, config.seed)
     base = config.avoidance
     grid = _grid(config)

@@ -1,6 +1,6 @@
 """Table 1 of the paper: how long a search takes with and without index and slices.
 
-python -m experiments.avoidance.table1 --config configs/avoidance/table1.toml --set graph=DIR
+python -m experiments.avoidance.table1 --config configs/avoidance/table1.toml --set clips=DIR
 """
 
 from __future__ import annotations
@@ -33,6 +33,8 @@ class Config:
 
     Attributes:
         graph: folder of a graph; "" for that of the embedded clips.
+        clips: folder of clips with its labels.json, of which a graph is built; "": the graph.
+        exclude: globs on paths below the folder of clips that are left out.
         balls: 10 m/s from any side, 0.5–1.7 m high, there in 1.2 s, at random nodes.
         repeats: calls per ball and condition.
         moments: random moments of a random walk at which an attack becomes known.
@@ -40,6 +42,8 @@ class Config:
     """
 
     graph: str = ""
+    clips: str = ""
+    exclude: tuple[str, ...] = ("bvh_converted/*",)
     balls: int = 200
     repeats: int = 3
     moments: int = 10_000
@@ -48,12 +52,12 @@ class Config:
     @classmethod
     def smoke(cls) -> dict[str, Any]:
         """A few balls at the embedded clips."""
-        return {"balls": 4, "repeats": 1, "moments": 200}
+        return {"graph": "", "clips": "", "balls": 4, "repeats": 1, "moments": 200}
 
 
 def run(config: Config) -> Results:
-    graph = graph_of(config.graph)
-    index = _index(graph, config.graph)
+    graph = graph_of(config.graph, config.clips, config.exclude)
+    index = _index(graph, "" if config.clips else config.graph)
     balls = random_balls(graph, config.balls, config.seed)
     rows = condition_rows(graph, index, balls, repeats=config.repeats, progress=True)
     left = remaining_seconds(graph, config.moments, config.seed)
@@ -89,6 +93,7 @@ def run(config: Config) -> Results:
 
 
 def _index(graph: MotionGraph, folder: str) -> GridIndex:
+    """That beside the graph, if it was read; else it is built."""
     if folder and (Path(folder) / FILE_NAME).exists():
         return load_index(folder, graph)
     return build_index(graph)

@@ -1,7 +1,7 @@
 """Smooth time warp against one speed per edge (§4.1): change of speed, success, clearance.
 
     python -m experiments.avoidance.warp --config configs/avoidance/warp.toml \\
-        --set graph=out/real --out out/avoidance/warp
+        --set clips=capture --out out/avoidance/warp
 
 Without a graph it uses the embedded clips. The walks are the same for both forms; ``fell_back`` is
 the share of balls whose smooth form the ball would have touched, so that the linear one is written.
@@ -36,6 +36,10 @@ class Config:
 
     graph: str = ""
     """Folder of a graph; empty: that of the embedded clips."""
+    clips: str = ""
+    """Folder of clips with its labels.json, of which a graph is built; empty: the graph."""
+    exclude: tuple[str, ...] = ("bvh_converted/*",)
+    """Globs on paths below the folder of clips that are left out."""
     balls: int = 100
     """Balls per condition."""
     seed: int = 0
@@ -53,6 +57,7 @@ class Config:
     def smoke(cls) -> dict[str, Any]:
         return {
             "graph": "",
+            "clips": "",
             "balls": 3,
             "speeds": (),
             "arrivals": (),
@@ -64,7 +69,10 @@ class Config:
 
 def run(config: Config) -> Results:
     """Answers every ball in both forms."""
-    graph, base = graph_of(config.graph), standard_throws(config.balls, config.seed)
+    graph, base = (
+        graph_of(config.graph, config.clips, config.exclude),
+        standard_throws(config.balls, config.seed),
+    )
     conditions = {"standard": base}
     conditions |= {f"{x:g} m/s": at_speed(base, x) for x in config.speeds}
     conditions |= {f"in {x:g} s": arriving_in(base, x) for x in config.arrivals}

@@ -6,9 +6,9 @@ element, summed), measured in turns with it. Run: ``python -m experiments.benchm
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -18,6 +18,7 @@ import numpy as np
 
 from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.energies import energies_batch
+from mgjax.runs.experiment import Results, experiment
 
 CANDIDATES, TIMES, SPHERES, ROUNDS = 1000, 40, 24, 40
 
@@ -88,19 +89,35 @@ def measure(cases: dict[str, tuple[Callable, tuple]], rounds: int = ROUNDS) -> l
     return rows
 
 
-def rows() -> list[dict]:
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """Settings."""
+
+    rounds: int = ROUNDS
+    """How often all cases are timed, in turns."""
+
+    @classmethod
+    def smoke(cls) -> dict[str, Any]:
+        return {"rounds": 1}
+
+
+def run(config: Config) -> Results:
     one, four = problem(), problem(4)
     overlap, paper = EnergyConfig(), EnergyConfig(form="paper", E_avoidance=0.5)
-    return measure(
+    rows = measure(
         {
             "bare pass": (bare, (one,)),
             "unswept e' and d": (partial(unswept, config=overlap), (one,)),
             "swept, overlap": (partial(swept, config=overlap), (one,)),
             "swept, paper": (partial(swept, config=paper), (one,)),
             "swept, 4 attack spheres": (partial(swept, config=overlap), (four,)),
-        }
+        },
+        config.rounds,
     )
+    size = {"candidates": CANDIDATES, "times": TIMES, "spheres": SPHERES}
+    lines = [f"{row['case']}: {row['median_ms']} ms, {row['ratio']} x a bare pass" for row in rows]
+    return Results(metrics=size, timings={"rows": rows}, lines=tuple(lines))
 
 
 if __name__ == "__main__":
-    print(json.dumps({"rows": rows()}, indent=1))
+    experiment(run, Config)

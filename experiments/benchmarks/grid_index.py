@@ -1,18 +1,20 @@
 """The grid index of a graph: build, size, paths per cell, and lookups against enumeration.
 
 Balls at 10 m/s come from any side, 0.5 to 1.7 m high at the body's axis, and arrive in 1.2 s at
-random nodes. Run: ``python -m experiments.benchmarks.grid_index --graph DIR``.
+random nodes.
+
+    python -m experiments.benchmarks.grid_index --set clips=capture --out out/grid_index
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import time
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from experiments.avoidance.graphs import graph_of
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.crop import crop_attack
@@ -24,13 +26,46 @@ from mgjax.avoidance.index.build import build_index
 from mgjax.avoidance.index.index import GridIndex
 from mgjax.avoidance.index.swept_cells import swept_cells
 from mgjax.avoidance.prepared import prepared_for
-from mgjax.core.xla.compilation import enable_cache
-from mgjax.graph.files import load_graph
+from mgjax.core.xla.compilation import one_thread
 from mgjax.graph.types import MotionGraph
+from mgjax.runs.experiment import Results, experiment
 
-BALLS, WARM, NODES = 500, 50, 60
+WARM, NODES = 50, 60
 MOST = 512
 """Nodes with more paths are left out of the count of paths per cell."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """Settings."""
+
+    graph: str = ""
+    """Folder of a graph; empty: that of the embedded clips."""
+    clips: str = ""
+    """Folder of clips with its labels.json, of which a graph is built; empty: the graph."""
+    exclude: tuple[str, ...] = ("bvh_converted/*",)
+    """Globs on paths below the folder of clips that are left out."""
+    balls: int = 500
+    """That are looked up."""
+
+    @classmethod
+    def smoke(cls) -> dict[str, Any]:
+        return {"graph": "", "clips": "", "balls": 3}
+
+
+def run(config: Config) -> Results:
+    graph, settings = graph_of(config.graph, config.clips, config.exclude), AvoidanceConfig()
+    tables = prepared_for(graph, settings).tables
+    built, index = build_row(graph)
+    found = lookup_row(graph, tables, index, settings, config.balls)
+    measured = {k: v for k, v in (built | found).items() if k.endswith(("_s", "_ms"))}
+    counted = {k: v for k, v in (built | found).items() if k not in measured and k != "case"}
+    line = (
+        f"{counted['candidates']} walks in {counted['megabytes']:.2f} MB; look-up"
+        f" {measured['lookup_median_ms']:.2f} ms, enumeration"
+        f" {measured['enumerate_median_ms']:.2f} ms"
+    )
+    return Results(metrics=counted, timings=measured, lines=(line,))
 
 
 def ball(rng: np.random.Generator) -> Attack:
@@ -77,13 +112,13 @@ def _seconds(graph: MotionGraph) -> float:
 
 
 def lookup_row(
-    graph: MotionGraph, tables: EdgeTables, index: GridIndex, config: AvoidanceConfig
+    graph: MotionGraph, tables: EdgeTables, index: GridIndex, config: AvoidanceConfig, balls: int
 ) -> dict[str, Any]:
     """Seeded balls at random nodes, each looked up and enumerated."""
     config = for_body(config, graph.body_scale)
     rng = np.random.default_rng(0)
     times, found, all_ = [], [], []
-    for _ in range(WARM + BALLS):
+    for _ in range(WARM + balls):
         node, attack = int(rng.integers(graph.num_nodes)), ball(rng)
         crop = crop_attack(attack, radius=config.crop_radius_m, height=config.crop_height_m)
         assert crop is not None
@@ -104,7 +139,7 @@ def lookup_row(
         all_.append(len(every.part))
     cells_ms, lookup_ms, enumerate_ms = 1e3 * np.array(times)[WARM:].T
     hits, every_ = np.array(found)[WARM:], np.array(all_)[WARM:]
-    row: dict[str, Any] = {"case": "lookup", "balls": BALLS}
+    row: dict[str, Any] = {"case": "lookup", "balls": balls}
     for name, values in (("cells", cells_ms), ("lookup", lookup_ms), ("enumerate", enumerate_ms)):
         row[f"{name}_median_ms"] = float(np.median(values))
         row[f"{name}_p95_ms"] = float(np.percentile(values, 95))
@@ -117,15 +152,6 @@ def lookup_row(
     }
 
 
-def rows(folder: str) -> list[dict[str, Any]]:
-    graph, config = load_graph(folder), AvoidanceConfig()
-    tables = prepared_for(graph, config).tables
-    built, index = build_row(graph)
-    return [built, lookup_row(graph, tables, index, config)]
-
-
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--graph", required=True, help="folder of a graph")
-    enable_cache()
-    print(json.dumps({"rows": rows(parser.parse_args().graph)}, indent=1))
+    one_thread()
+    experiment(run, Config)

@@ -2,24 +2,24 @@
 
 On a simulated clock, where searches take random times, and for a while in real time. It counts the
 answers (every attack has one), restarts and frames, checks that memory stays flat, and reports the
-longest gap between two frames. Run:
-``python -m experiments.benchmarks.planner --graph DIR --minutes 10 --real 20``.
+longest gap between two frames.
+
+    python -m experiments.benchmarks.planner --set clips=capture --out out/planner
 """
 
 from __future__ import annotations
 
-import argparse
 import gc
-import json
 import math
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from experiments.avoidance.graphs import graph_of
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.attacks.transform import in_frame
@@ -31,11 +31,51 @@ from mgjax.avoidance.play.planner import Planner
 from mgjax.core import planar
 from mgjax.core.motion import Motion
 from mgjax.core.xla.compilation import one_thread
-from mgjax.graph.files import load_graph
 from mgjax.graph.types import MotionGraph
+from mgjax.runs.experiment import Results, experiment
 
 EVERY_S = (0.3, 2.0)
 FRAME_RATE = 60.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """Settings."""
+
+    graph: str = ""
+    """Folder of a graph; empty: that of the embedded clips."""
+    clips: str = ""
+    """Folder of clips with its labels.json, of which a graph is built; empty: the graph."""
+    exclude: tuple[str, ...] = ("bvh_converted/*",)
+    """Globs on paths below the folder of clips that are left out."""
+    minutes: float = 10.0
+    """On the simulated clock."""
+    real_s: float = 20.0
+    """In real time, s."""
+    seed: int = 0
+    """Draws the walk and the attacks."""
+    avoidance: AvoidanceConfig = field(default_factory=AvoidanceConfig)
+    """Settings of the search."""
+
+    @classmethod
+    def smoke(cls) -> dict[str, Any]:
+        return {
+            "graph": "",
+            "clips": "",
+            "minutes": 0.1,
+            "real_s": 0.5,
+            "avoidance.checks": 12,
+        }
+
+
+def run(config: Config) -> Results:
+    graph = graph_of(config.graph, config.clips, config.exclude)
+    real = real_time(graph, config.real_s, seed=config.seed, config=config.avoidance)
+    played = soak(graph, config.minutes, seed=config.seed, config=config.avoidance)
+    line = f"{played['attacks']} attacks in {config.minutes:g} min, none without an answer"
+    return Results(
+        metrics={"minutes": config.minutes}, timings={"real": real, "soak": played}, lines=(line,)
+    )
 
 
 def ball_at(rng: np.random.Generator, root: np.ndarray, now: float) -> Attack:
@@ -205,22 +245,6 @@ def real_time(
     }
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--graph", type=Path, required=True, help="folder of a graph")
-    parser.add_argument("--minutes", type=float, default=10.0, help="simulated minutes")
-    parser.add_argument("--real", type=float, default=10.0, help="seconds in real time")
-    parser.add_argument("--checks", type=int, default=64, help="candidates that are checked")
-    parser.add_argument("--seed", type=int, default=0)
-    options = parser.parse_args()
-    graph = load_graph(options.graph)
-    config = AvoidanceConfig(checks=options.checks)
-    found = {"real_time": real_time(graph, options.real, seed=options.seed, config=config)}
-    if options.minutes > 0:
-        found["soak"] = soak(graph, options.minutes, seed=options.seed, config=config)
-    print(json.dumps(found, indent=1))
-
-
 if __name__ == "__main__":
     one_thread()
-    main()
+    experiment(run, Config)

@@ -23,7 +23,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar, get_args
@@ -31,12 +31,14 @@ from typing import Any, NoReturn, TypeVar, get_args
 import numpy as np
 from matplotlib.figure import Figure
 
-from mgjax.core.errors import ConfigError, MgjaxError
+from mgjax.core.errors import ConfigError, MgjaxError, printable
 from mgjax.core.parallel.executors import Name, executor
 from mgjax.core.xla.compilation import enable_cache
 from mgjax.io.output import output_folder
 from mgjax.io.toml_file import to_toml
 from mgjax.io.user_path import user_path
+from mgjax.runs.identity import fingerprint, inputs_of, settings_of, sources_of
+from mgjax.runs.kept import keep_record, kept_record
 from mgjax.runs.record import (
     CompileTimes,
     Points,
@@ -95,10 +97,21 @@ def execute(run: Callable[..., Results], kind: type, arguments: Sequence[str]) -
         command = _parser(run, kind).parse_args(arguments)
         config = resolve(kind, command.config, smoke=command.smoke, settings=command.settings)
         out = command.out or Path("out", *_names(run))
+        if command.record is not None:
+            known = kept_record(command.record)
+            if (
+                known is not None
+                and known["fingerprint"] == identity_of(run, config)["fingerprint"]
+            ):
+                text = f"{printable(command.record)}: a record of this very run; not run again"
+                print(json.dumps(known) if command.json else text, flush=True)
+                return 0
         with executor(command.executor, command.workers, command.address) as made:
             record, results = perform(
                 run, config, out, smoke=command.smoke, runs=command.runs, executor=made
             )
+        if command.record is not None:
+            keep_record(command.record, record)
     except MgjaxError as error:
         print(f"{label}: " + " ".join(str(error).split("\n")), file=sys.stderr)
         return 2
@@ -138,26 +151,27 @@ def perform(
     Returns:
         What ``metrics.json`` has, and what ``run`` returned.
     """
-    label = "/".join(_names(run))
     toml = to_toml(config)
     commit, dirty = revision(Path(inspect.getfile(run)).parent)
     if runs is not None:
         check_appendable(runs)
     with output_folder(out) as folder:
-        identity = {"experiment": label, "config": toml, "revision": commit}
+        identity = identity_of(run, config)
         points = Points(Path(out) / PARTIAL, identity, executor)
+        if points.differs:
+            what = ", ".join(key for key in points.differs if key != "fingerprint")
+            print(f"{PARTIAL} is of another run ({what} differ): begun anew", file=sys.stderr)
         start = time.perf_counter()
         with compile_times() as compiling:
             results = _call(run, config, points)
         wall = time.perf_counter() - start
         record = {
-            "experiment": label,
             "smoke": smoke,
             "seed": getattr(config, "seed", None),
             "finished": datetime.now(UTC).isoformat(timespec="seconds"),
             "git_revision": commit,
             "git_dirty": dirty,
-            "versions": versions(),
+            **identity,
             "machine": machine(),
             "seconds": _seconds(wall, compiling),
             "points": {"measured": points.measured, "resumed": points.resumed},
@@ -171,8 +185,26 @@ def perform(
         (folder / "metrics.json").write_text(text + "\n", encoding="utf-8")
     points.discard()
     if runs is not None:
-        append_line(runs, flat(record | {"config": asdict(config)}))
+        append_line(runs, flat(record | {"config": settings_of(config)}))
     return record, results
+
+
+def identity_of(run: Callable[..., Results], config: Any) -> dict[str, Any]:
+    """What a run's figures depend on: settings, files that are read, programs, versions.
+
+    Returns:
+        ``experiment``, ``config`` (of paths the last part), ``inputs`` and ``sources`` (hashes),
+        ``versions``, and ``fingerprint``, the hash of all these.
+    """
+    label = "/".join(_names(run))
+    settings = plain(settings_of(config), "config")
+    known = {"inputs": inputs_of(config), "sources": sources_of(run), "versions": versions()}
+    return {
+        "experiment": label,
+        "config": settings,
+        **known,
+        "fingerprint": fingerprint(label, settings, known),
+    }
 
 
 def _call(run: Callable[..., Results], config: Any, points: Points) -> Results:
@@ -239,6 +271,13 @@ def _parser(run: Callable[..., Results], kind: type) -> argparse.ArgumentParser:
     add("--smoke", action="store_true", help="a tiny version of it")
     add("--out", type=user_path, metavar="DIR", help=f"default: out/{room}/{name}")
     add("--runs", type=user_path, metavar="FILE", help="add one JSON line on this run to the file")
+    add(
+        "--record",
+        type=user_path,
+        metavar="FILE",
+        help="also keep the record in the file; if it holds one of the same settings, inputs,"
+        " programs and versions, nothing is run",
+    )
     add("--executor", choices=get_args(Name), default="serial", help="where points are computed")
     add("--workers", type=int, metavar="N", help="of the executor; default: one a processor")
     add("--address", metavar="WHERE", help="of a running Ray cluster")

@@ -196,13 +196,15 @@ def _opened(path: str | Path) -> Any:
 class Points:
     """The finished points of a sweep, kept in a file as they come, so that a run can go on.
 
-    The first line of the file says what the run is: experiment, resolved config, revision. A file
-    that says the same is continued, any other is begun anew. A line that was being written when
-    the process ended is cut off. Without a file nothing outlives the process.
+    The first line of the file says what the run is: experiment, settings, inputs, programs. A file
+    that says the same is continued; any other is begun anew, with a note on what differs. A line
+    that was being written when the process ended is cut off. Without a file nothing outlives the
+    process.
 
     Attributes:
         executor: of :meth:`measure_all`; by default this process.
         measured, resumed: how many points were measured now, and how many found in the file.
+        differs: what the file that was there says otherwise, if it is of another run.
     """
 
     def __init__(
@@ -214,6 +216,7 @@ class Points:
         self.executor = executor or SerialExecutor()
         self.measured = 0
         self.resumed = 0
+        self.differs: tuple[str, ...] = ()
         self._path = None if path is None else Path(path)
         self._header = {"run": plain(identity, "identity")}
         self._rows: dict[str, dict[str, Any]] = {}
@@ -229,6 +232,7 @@ class Points:
         try:
             first, *rows = [json.loads(line) for line in lines.splitlines()]
             if first != self._header:
+                self.differs = _differing(first["run"], self._header["run"])
                 return False
             self._rows = {row["key"]: row for row in rows}
         except (ValueError, KeyError, TypeError):
@@ -296,3 +300,10 @@ class Points:
         """Removes the file; called when the results of the run are in their place."""
         if self._path is not None:
             self._path.unlink(missing_ok=True)
+
+
+def _differing(one: Any, other: Any) -> tuple[str, ...]:
+    """Keys of two tables whose values differ."""
+    if not (isinstance(one, dict) and isinstance(other, dict)):
+        return ()
+    return tuple(key for key in {**one, **other} if one.get(key) != other.get(key))
