@@ -12,7 +12,7 @@ CORE := $(VENV)/.core-$(VERSION)
 DEV := $(VENV)/.dev-$(VERSION)
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: help demo view test test-browser test-long browser pictures docs lint dist clean
+.PHONY: help demo view test test-browser test-long browser pictures docs reproduce lint dist clean
 
 help:
 	@echo "make demo       throw balls at a character made of the embedded clips (out/demo)"
@@ -23,6 +23,7 @@ help:
 	@echo "make lint       ruff, pyright, import-linter"
 	@echo "make pictures   make the pictures of README.md anew (experiments/pictures)"
 	@echo "make docs       build the documentation as a site (out/site); a warning is an error"
+	@echo "make reproduce  run every experiment at full size (MGJAX_CAPTURE names the capture)"
 	@echo "make dist       build the wheel and the source archive (dist)"
 	@echo "make clean      remove $(VENV), out and dist"
 	@echo "PYTHON=python3.12 chooses the Python"
@@ -61,6 +62,9 @@ browser:
 
 pictures: $(DEV)
 	$(BIN)/python -m experiments.pictures.make --applications out/pictures
+
+reproduce: $(DEV)
+	$(BIN)/python -m experiments.results.reproduce
 
 test-long: $(DEV)
 	$(BIN)/python -m pytest -m long --numprocesses 2 --dist worksteal

@@ -33,7 +33,7 @@ from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import AttackError
 from mgjax.graph.types import MotionGraph
 from mgjax.runs.experiment import Results, experiment
-from mgjax.runs.record import Points
+from mgjax.runs.points import Points
 
 FORMS: tuple[Literal["overlap", "paper"], ...] = ("overlap", "paper")
 

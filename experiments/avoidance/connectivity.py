@@ -31,7 +31,7 @@ from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.types import MotionGraph
 from mgjax.runs.experiment import Results, experiment
-from mgjax.runs.record import Points
+from mgjax.runs.points import Points
 
 PAPER = GraphConfig(minima="all", label_quiet=0.0, label_overlap=0.0)
 OPTIONS: dict[str, tuple[GraphConfig, bool]] = {

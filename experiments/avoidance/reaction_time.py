@@ -26,7 +26,7 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.many.attacks import select_batch
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.runs.experiment import Results, experiment
-from mgjax.runs.record import Points
+from mgjax.runs.points import Points
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,7 +32,7 @@ from experiments.avoidance.throws import (
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
 from mgjax.graph.types import MotionGraph
 from mgjax.runs.experiment import Results, experiment
-from mgjax.runs.record import Points
+from mgjax.runs.points import Points
 
 SCALING = {
     "agreeing": SpeedConfig(V_fast=math.inf, V_slow=0.0, V_still=0.0),

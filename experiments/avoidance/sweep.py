@@ -25,7 +25,7 @@ from experiments.avoidance.throws import Throws, standard_throws
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig, SpeedConfig
 from mgjax.graph.types import MotionGraph
 from mgjax.runs.experiment import Results, experiment
-from mgjax.runs.record import Points
+from mgjax.runs.points import Points
 
 SPEEDS = {
     "printed": SpeedConfig(V_fast=0.3, V_slow=0.1, V_still=0.0),

@@ -1,1 +1,1 @@
-"""All experiments at full size, and the documents that are written of their records."""
+"""All experiments at full size."""

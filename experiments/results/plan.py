@@ -42,7 +42,7 @@ class Planned:
 AVOIDANCE, BALL, WALKS = "avoidance", "ball", "locomotion/cmu16"
 
 PLAN = (
-    Planned(experiment="avoidance/table1", clips=AVOIDANCE),
+    Planned(experiment="avoidance/table1", clips=AVOIDANCE, settings=("repeats=3",)),
     Planned(experiment="hybrid/build", clips=WALKS),
     Planned(experiment="hybrid/follow", clips=WALKS),
     Planned(experiment="ballsport/analysis", clips=BALL),

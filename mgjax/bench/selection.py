@@ -66,20 +66,22 @@ def condition_rows(
     """The four conditions of Table 1, taken in turns for all balls.
 
     A time runs from the attack to the chosen path, its exact check included, and is the median of
-    ``repeats`` calls. ``candidates`` is the mean of what the condition starts from: those looked up
+    ``repeats`` calls; ``cpu_median_ms`` is processor time, which other work on the machine hardly
+    changes. ``candidates`` is the mean of what the condition starts from: those looked up
     where the index holds some, else those enumerated; the slices then drop some.
     """
     plain = AvoidanceConfig(refine="off")
     configs = {True: replace(plain, culling="binned"), False: plain}
     prepared = {sliced: prepared_for(graph, config) for sliced, config in configs.items()}
     first, seconds = np.zeros(4), np.zeros((4, repeats, len(balls)))
+    busy = np.zeros_like(seconds)
     statuses = np.zeros((4, len(balls)), dtype=object)
     counts = np.zeros((2, len(balls)), dtype=np.int64)
     answered = np.zeros(len(balls), bool)
     for turn in tqdm(range(-1, repeats), desc="turns", leave=False, disable=not progress):
         for c, (looked_up, sliced) in enumerate(CONDITIONS):
             for b, ball in enumerate(balls):
-                begin = time.perf_counter()
+                begin, worked = time.perf_counter(), time.process_time()
                 choice = choose(
                     prepared[sliced],
                     ball.node,
@@ -93,6 +95,7 @@ def condition_rows(
                     statuses[c, b] = choice.status
                 else:
                     seconds[c, turn, b] = passed
+                    busy[c, turn, b] = time.process_time() - worked
     for b, ball in enumerate(balls):
         counts[:, b], answered[b] = _counts(prepared[False], index, ball, configs[False])
     times = np.median(seconds, axis=1) * 1e3
@@ -101,6 +104,7 @@ def condition_rows(
         counted = np.where(counts[0] > 0, counts[0], counts[1]) if looked_up else counts[1]
         row = _row(times[c])
         row |= {
+            "cpu_median_ms": float(np.median(np.median(busy[c], axis=0))) * 1e3,
             "index": looked_up,
             "slices": sliced,
             "candidates": float(counted.mean()),

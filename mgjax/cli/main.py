@@ -20,6 +20,7 @@ from mgjax.cli.arguments import (
     Fetch,
     Info,
     Quality,
+    Runs,
     Scene,
     Sensor,
     Study,
@@ -41,6 +42,7 @@ MODULES: dict[type, str] = {
     Bench: "bench",
     Sensor: "sensor",
     Study: "study",
+    Runs: "runs",
     View: "view",
 }
 """Below this folder, the module of each command; its ``run`` takes the arguments."""
@@ -59,6 +61,7 @@ Command = (
     | Annotated[Bench, tyro.conf.subcommand("bench")]
     | Annotated[Sensor, tyro.conf.subcommand("sensor")]
     | Annotated[Study, tyro.conf.subcommand("study")]
+    | Annotated[Runs, tyro.conf.subcommand("runs")]
     | Annotated[View, tyro.conf.subcommand("view")]
 )
 
@@ -74,7 +77,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     from mgjax.core.errors import MgjaxError
 
-    if not isinstance(command, View | Fetch):  # they compute nothing here, and begin at once
+    if not isinstance(command, View | Fetch | Runs):  # they compute nothing here, and begin at once
         from mgjax.core.xla.compilation import enable_cache
 
         enable_cache()

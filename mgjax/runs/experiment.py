@@ -3,7 +3,7 @@
 A script ``experiments/<room>/<name>.py`` defines a frozen dataclass ``Config`` whose fields all
 have defaults, with a class method ``smoke()`` that returns the settings of a tiny version, and
 ``run(config) -> Results`` or, for sweeps that can go on after an interruption,
-``run(config, points) -> Results`` (see :class:`mgjax.runs.record.Points`). It ends with
+``run(config, points) -> Results`` (see :class:`mgjax.runs.points.Points`). It ends with
 
     if __name__ == "__main__":
         experiment(run, Config)
@@ -39,13 +39,14 @@ from mgjax.io.toml_file import to_toml
 from mgjax.io.user_path import user_path
 from mgjax.runs.identity import fingerprint, inputs_of, settings_of, sources_of
 from mgjax.runs.kept import keep_record, kept_record
+from mgjax.runs.points import Points
 from mgjax.runs.record import (
     CompileTimes,
-    Points,
     append_line,
     check_appendable,
     compile_times,
     flat,
+    load_average,
     machine,
     plain,
     revision,
@@ -161,10 +162,10 @@ def perform(
         if points.differs:
             what = ", ".join(key for key in points.differs if key != "fingerprint")
             print(f"{PARTIAL} is of another run ({what} differ): begun anew", file=sys.stderr)
-        start = time.perf_counter()
+        start, busy, load = time.perf_counter(), time.process_time(), load_average()
         with compile_times() as compiling:
             results = _call(run, config, points)
-        wall = time.perf_counter() - start
+        wall, cpu = time.perf_counter() - start, time.process_time() - busy
         record = {
             "smoke": smoke,
             "seed": getattr(config, "seed", None),
@@ -173,7 +174,8 @@ def perform(
             "git_dirty": dirty,
             **identity,
             "machine": machine(),
-            "seconds": _seconds(wall, compiling),
+            "seconds": _seconds(wall, cpu, compiling),
+            "load_average": [load, load_average()],
             "points": {"measured": points.measured, "resumed": points.resumed},
             "metrics": plain(results.metrics),
             "timings": plain(results.timings, "timings"),
@@ -215,10 +217,14 @@ def _call(run: Callable[..., Results], config: Any, points: Points) -> Results:
     return results
 
 
-def _seconds(wall: float, compiling: CompileTimes) -> dict[str, Any]:
-    """``wall`` is the whole of ``run``; ``compile`` is part of it, ``load`` part of ``compile``."""
+def _seconds(wall: float, cpu: float, compiling: CompileTimes) -> dict[str, Any]:
+    """``wall`` is the whole of ``run``; ``compile`` is part of it, ``load`` part of ``compile``.
+
+    ``cpu`` is the processor time of all threads of this process.
+    """
     return {
         "wall": round(wall, 4),
+        "cpu": round(cpu, 4),
         "compile": round(compiling.seconds, 4),
         "load": round(compiling.load_s, 4),
         "programs": compiling.programs,

@@ -70,7 +70,7 @@ def differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, dict[st
     """
     found: dict[str, dict[str, tuple]] = {}
     for part in (*SETTLED, "metrics", "timings"):
-        one, other = (_leaves(record.get(part), part) for record in (a, b))
+        one, other = (leaves(record, part) for record in (a, b))
         keys = [*one, *(key for key in other if key not in one)]
         differing = {
             key: (one.get(key), other.get(key)) for key in keys if one.get(key) != other.get(key)
@@ -89,8 +89,10 @@ def ratio(pair: tuple) -> float | None:
     return quotient if math.isfinite(quotient) and quotient > 0 else None
 
 
-def _leaves(value: Any, part: str) -> dict[str, Any]:
-    return flat(_tables({part: value})) if value is not None else {}
+def leaves(record: Mapping[str, Any], part: str) -> dict[str, Any]:
+    """All values of a part of a record by dotted key; lists count as tables."""
+    value = record.get(part)
+    return {} if value is None else flat(_tables({part: value}))
 
 
 def _tables(value: Any) -> Any:

@@ -35,6 +35,7 @@ COMMANDS = [
     "sensor",
     "demo",
     "bench",
+    "runs",
 ]
 DROPPED = {"culled", "not_adjustable", "time_scale", "hit", "overflow"}
 AVOID_FILES = {"motion.bvh", "result.json", "scene.png", "volumes.npz"}

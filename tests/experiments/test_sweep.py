@@ -9,7 +9,7 @@ from experiments.avoidance.graphs import built
 from experiments.avoidance.sweep import AXES, Config, run
 from experiments.avoidance.throws import OUTCOMES, answer, standard_throws
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.runs.record import Points
+from mgjax.runs.points import Points
 from mgjax.runs.settings import resolve
 
 pytestmark = pytest.mark.long

@@ -20,9 +20,9 @@ from matplotlib.figure import Figure
 import experiments
 from mgjax.core.errors import OutputError
 from mgjax.runs.experiment import Results, execute, perform
-from mgjax.runs.record import Points
+from mgjax.runs.points import Points
 from mgjax.runs.settings import resolve
-from tests.runs.toys import Config, names, simple, toy
+from tests.runs.toys import Config, Reading, names, simple, toy
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -111,6 +111,38 @@ def test_other_settings_begin_anew(tmp_path):
     assert execute(run, Config, ["--out", str(out)]) == 130
     assert execute(run, Config, ["--out", str(out), "--set", "seed=1"]) == 0
     assert calls == [0, 1]
+
+
+def test_what_a_run_depends_on(tmp_path, capsys):
+    """A changed file behind the same path, or another program, is another run."""
+    folder, out, record = tmp_path / "clips", tmp_path / "out", tmp_path / "kept" / "a.json"
+    folder.mkdir()
+    (folder / "a.bvh").write_text("one")
+    calls = []
+
+    def run(config: Reading, points: Points) -> Results:
+        points.measure("a", lambda: calls.append(len(calls)) or {"x": len(calls)})
+        if len(calls) == 1:
+            raise KeyboardInterrupt
+        return Results(metrics={"calls": len(calls)})
+
+    arguments = ["--out", str(out), "--record", str(record), "--set", f"clips={folder}"]
+    assert execute(run, Reading, arguments) == 130
+    (folder / "a.bvh").write_text("two")
+    assert execute(run, Reading, arguments) == 0
+    assert calls == [0, 1]  # the point of the other files was not taken over
+    assert "partial.jsonl is of another run (inputs differ): begun anew" in capsys.readouterr().err
+    kept = json.loads(record.read_text())
+    assert kept["config"] == {"clips": "clips", "seed": 0}
+    assert set(kept["inputs"]) == {"clips"}
+    assert str(tmp_path) not in record.read_text()
+    assert execute(run, Reading, arguments) == 0
+    assert calls == [0, 1]  # its record is there
+    assert "not run again" in capsys.readouterr().out
+    assert execute(run, Reading, [*arguments, "--set", "seed=1"]) == 0
+    (folder / "b.bvh").write_text("three")
+    assert execute(run, Reading, [*arguments, "--set", "seed=1"]) == 0
+    assert calls == [0, 1, 2, 3]
 
 
 def test_results_that_cannot_be_written(tmp_path):
@@ -212,7 +244,11 @@ SLOW = (
     "experiments.avoidance.table1",
     "experiments.ballsport.aim",
     "experiments.ballsport.scene",
+    "experiments.benchmarks.distances",
+    "experiments.benchmarks.energy",
     "experiments.benchmarks.fabrik",
+    "experiments.benchmarks.grid_index",
+    "experiments.benchmarks.planner",
     "experiments.benchmarks.random_attacks",
     "experiments.hybrid.build",
     "experiments.hybrid.reach",

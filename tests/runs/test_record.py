@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 from mgjax.core.errors import OutputError
+from mgjax.runs.points import Points
 from mgjax.runs.record import (
     CompileTimes,
-    Points,
     append_line,
     check_appendable,
     compile_times,

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from mgjax.runs.experiment import Results
-from mgjax.runs.record import Points
+from mgjax.runs.points import Points
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +43,12 @@ class Config:
     @classmethod
     def smoke(cls) -> dict[str, Any]:
         return {"balls": 1, "inner.width": 0.5}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    clips: str = ""
+    seed: int = 0
 
 
 def toy(config: Config, points: Points) -> Results:

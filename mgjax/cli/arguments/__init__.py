@@ -11,6 +11,10 @@ from mgjax.cli.arguments.rooms import Avoid as Avoid
 from mgjax.cli.arguments.rooms import Demo as Demo
 from mgjax.cli.arguments.rooms import Scene as Scene
 from mgjax.cli.arguments.rooms import Walk as Walk
+from mgjax.cli.arguments.runs import CompareRuns as CompareRuns
+from mgjax.cli.arguments.runs import ListRuns as ListRuns
+from mgjax.cli.arguments.runs import Runs as Runs
+from mgjax.cli.arguments.runs import ShowRun as ShowRun
 from mgjax.cli.arguments.sensor import Listen as Listen
 from mgjax.cli.arguments.sensor import Replay as Replay
 from mgjax.cli.arguments.sensor import Send as Send
