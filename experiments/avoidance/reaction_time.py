@@ -3,11 +3,12 @@
     python -m experiments.avoidance.reaction_time --config \\
         configs/avoidance/reaction_time.toml --set clips=capture --out out/avoidance/reaction_time
 
-Standard balls that are there in 0.3 … 2 s. A walk has recovered where it avoids the ball, is at a
-node of the graph again within a second after the ball has gone, and until a second after that shows
-no fault: feet that skate no more, windows that are no jerkier, limbs and feet no deeper than in
-uncut capture by the same code (1.1 times the 95th percentile for feet, 0.5 % of the windows above
-its 99.9 % quantile of jerk, 1 cm, 5 mm). So many windows of uncut capture of the same length pass.
+Standard balls that are there in 0.3 … 2 s, answered as it is written: feet kept, near misses
+refined. An answer has recovered where it avoids the ball, is at a node of the graph again within a
+second after the ball has gone, and until then shows no fault: feet that skate no more, windows that
+are no jerkier, limbs and feet no deeper than in uncut capture by the same code (1.1 times the 95th
+percentile for feet, 0.5 % of the windows above its 99.9 % quantile of jerk, 1 cm, 5 mm). So many
+pieces of uncut capture of the same length pass.
 """
 
 from __future__ import annotations
@@ -22,9 +23,10 @@ from experiments.avoidance.graphs import built, graph_of
 from experiments.avoidance.recovery import Recovery
 from experiments.avoidance.throws import Throws, arriving_in, percentiles, standard_throws, wilson
 from mgjax.avoidance.choice.results import Status
+from mgjax.avoidance.choice.selection import Selection, select
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.many.attacks import select_batch
 from mgjax.avoidance.prepared import Prepared, prepared_for
+from mgjax.core.errors import AttackError
 from mgjax.runs.experiment import Results, experiment
 from mgjax.runs.points import Points
 
@@ -61,7 +63,7 @@ def run(config: Config, points: Points) -> Results:
     """Measures all points; those of an interrupted run with the same settings are taken over."""
     graph = built(config.clips, config.exclude, threshold_m=None) if config.clips else None
     prepared = prepared_for(graph or graph_of(config.graph or None), config.avoidance)
-    recovery = Recovery(prepared.graph) if config.recovers else None
+    recovery = Recovery(prepared) if config.recovers else None
     rows: list[dict[str, Any]] = []
     for fastest in config.fastest:
         search = limited(config.avoidance, fastest)
@@ -90,31 +92,41 @@ def limited(config: AvoidanceConfig, fastest: float) -> AvoidanceConfig:
 def measured(
     prepared: Prepared, throws: Throws, search: AvoidanceConfig, recovery: Recovery | None
 ) -> dict[str, Any]:
-    """The shares of one point."""
-    nodes = [throws.node_of(i, prepared.graph) for i in range(len(throws))]
-    attacks = [throws.attack(i) for i in range(len(throws))]
-    answers = select_batch(prepared, nodes, attacks, config=search)
-    avoided = answers.status == Status.AVOIDED.code
+    """The shares of one point, of answers as they are written."""
+    answers = [
+        answer for i in range(len(throws)) if (answer := _answer(prepared, throws, i, search))
+    ]
+    avoided = [answer for answer in answers if answer.status == Status.AVOIDED]
+    none = sum(answer.status == Status.NO_CANDIDATE for answer in answers)
     row = {
-        "avoided": float(avoided.mean()),
-        "avoided_interval": wilson(int(avoided.sum()), len(throws)),
-        "no_candidate": float((answers.status == Status.NO_CANDIDATE.code).mean()),
-        "time_scale_p5_p50_p95": percentiles(answers.time_scale[avoided].tolist(), (5, 50, 95)),
+        "avoided": len(avoided) / len(throws),
+        "avoided_interval": wilson(len(avoided), len(throws)),
+        "no_candidate": none / len(throws),
+        "refined": sum(answer.refinement is not None for answer in avoided) / len(throws),
+        "time_scale_p5_p50_p95": percentiles(
+            [answer.time_scale for answer in avoided if answer.time_scale], (5, 50, 95)
+        ),
     }
     if recovery is None:
         return row
-    found = recovery.of(
-        prepared,
-        [(nodes[i], attacks[i]) for i in np.flatnonzero(avoided).tolist()],
-        throws.arrives,
-        search,
-    )
+    found = recovery.of(avoided, throws.arrives)
     recovered = found.pop("recovered")
     return row | {
         "recovered": recovered / len(throws),
         "recovered_interval": wilson(recovered, len(throws)),
         **found,
     }
+
+
+def _answer(
+    prepared: Prepared, throws: Throws, number: int, search: AvoidanceConfig
+) -> Selection | None:
+    """What a ball is answered by; None where it begins inside the body."""
+    node = throws.node_of(number, prepared.graph)
+    try:
+        return select(prepared, node, throws.attack(number), config=search)
+    except AttackError:
+        return None
 
 
 def figure(rows: list[dict[str, Any]]) -> Figure:

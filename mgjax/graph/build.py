@@ -179,7 +179,8 @@ def build_graph(
         "minima": len(minima.rows),
         "candidates": len(candidates.leave),
         "dropped_by_best_per_s": chosen.dropped,
-        "labels_total": sum(len(items) for items in by_clip.values()) * (2 if config.mirror else 1),
+        "labels_total": sum(len(items) for items in by_clip.values()) * (2 if config.mirror else 1)
+        + timeline.between,
         "notes": notes,
         "retargeted": [asdict(c.retargeted) for c in timeline.clips if c.retargeted],
     }

@@ -35,6 +35,9 @@ class GraphConfig:
         weights: how much each joint counts: ``"uniform"``, ``"limbs"``, or a table of joint names
             and numbers.
         mirror: adds a left-right mirrored copy of every clip.
+        interpolate_m: adds a clip halfway between each labelled part and the one of its kind that
+            is most like it, if joints are no farther apart on average, of an adult, m
+            (:mod:`mgjax.clips.interpolated`); 0: none.
         retarget: puts clips of other skeletons on the graph's.
         clean_feet: keeps planted feet in place, within transitions and in all that is played of
             the graph (:mod:`mgjax.graph.feet`).
@@ -69,6 +72,7 @@ class GraphConfig:
     max_threshold_m: float = 0.20
     weights: str | dict[str, float] = "uniform"
     mirror: bool = False
+    interpolate_m: float = 0.0
     retarget: bool = False
     clean_feet: bool = True
     blend: str = "support"
@@ -96,6 +100,7 @@ _RANGES: Ranges = {
     "keep": (0.0, 1.0),
     "max_threshold_m": (1e-9, 10.0),
     "contacts": (0.0, 1.0),
+    "interpolate_m": (0.0, 1.0),
     "range_frames": (0, 1024),
     "best_per_s": (0, 1_000_000),
     "label_quiet": (0.0, 1.0),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mgjax.clips.interpolated import interpolated
 from mgjax.clips.prepare import PreparedClip, graph_skeleton, prepare_clips
 from mgjax.clips.types import Clip, Label, Labels
 from mgjax.core.body.height import body_scale
@@ -24,7 +25,7 @@ class ClipTimeline:
     """All prepared clips on one axis of frames.
 
     ``core_starts`` and ``core_stops`` are what is left of the labels without the margins that
-    blends may overlap.
+    blends may overlap; ``between`` of the clips, the last ones, are interpolated.
     """
 
     skeleton: Skeleton
@@ -40,6 +41,7 @@ class ClipTimeline:
     core_starts: np.ndarray
     core_stops: np.ndarray
     labels: list[Label]
+    between: int
 
 
 def make_timeline(
@@ -65,6 +67,11 @@ def make_timeline(
         retarget=config.retarget,
         example=example,
     )
+    between: list[PreparedClip] = []
+    if config.interpolate_m > 0:
+        between = interpolated(skeleton, prepared, config.interpolate_m * body_scale(skeleton))
+        prepared += between
+        notes.append(f"{len(between)} clips interpolated between parts that are alike")
     lengths = np.array([c.motion.num_frames for c in prepared])
     stops = np.cumsum(lengths)
     starts = stops - lengths
@@ -92,6 +99,7 @@ def make_timeline(
         core_starts=frames[:, 0] + margins[:, 0],
         core_stops=frames[:, 1] - margins[:, 1],
         labels=[label for c in prepared for label in c.labels],
+        between=len(between),
     )
     return timeline, notes
 

@@ -14,6 +14,7 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index.found_paths import FoundPaths
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.prepared import Prepared, prepared_for
+from mgjax.graph.feet.course import FeetState
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import random_walk
 
@@ -27,6 +28,7 @@ def choose(
     seed: int = 0,
     index: CandidateIndex | None = None,
     as_written: Callable[[Choice], float] | None = None,
+    begin: FeetState | None = None,
 ) -> Choice:
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
@@ -39,16 +41,17 @@ def choose(
 
     It judges captured motion, which the feet of a written one differ from by centimetres; with
     ``as_written``, the clearance of a choice as it would be written (m), a candidate has to be
-    clear as that, too.
+    clear as that, too. ``begin`` is what the feet are off now, for refinement.
     """
     prepared = prepared_for(graph, config, index)
-    query = ask(prepared, node, attack, config, as_written)
+    query = ask(prepared, node, attack, config, as_written, begin)
     if query is None:
         return _nothing(prepared, node, attack, config, seed)
-    decision = _refined(query, _decided(query))
+    tried: set[bytes] = set()
+    decision = _refined(query, _decided(query), tried)
     if not _avoids(decision) and can_widen(config):
         wider = with_wide_window(query)
-        wide = _refined(wider, _decided(wider))
+        wide = _refined(wider, _decided(wider), tried)
         # Those of the narrow window are among them.
         decision = replace(wide, choice=better_of(decision, wide).choice)
     choice = decision.choice or _nothing(prepared, node, attack, config, seed)
@@ -79,11 +82,11 @@ def query_decided(query: Query) -> Query:
     return with_wide_window(query)
 
 
-def _refined(query: Query, decision: Decision) -> Decision:
+def _refined(query: Query, decision: Decision, tried: set[bytes]) -> Decision:
     """What was decided or, where that avoids nothing, a near miss that a change makes clear."""
     if _avoids(decision) or query.config.refine == "off":
         return decision
-    choice = refined_miss(query)
+    choice = refined_miss(query, tried)
     return decision if choice is None else replace(decision, choice=choice)
 
 

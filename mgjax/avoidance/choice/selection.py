@@ -94,7 +94,9 @@ def select(
         made[:] = [(choice.walk, draft)]
         return _clearance(draft)
 
-    choice = choose(prepared, node, attack, config=config, seed=seed, as_written=as_written)
+    choice = choose(
+        prepared, node, attack, config=config, seed=seed, as_written=as_written, begin=begin
+    )
     if choice.status == Status.AVOIDED and made and made[0][0] is choice.walk:
         return _selection(prepared, attack, choice, made[0][1])
     selection = write(prepared, attack, choice, config, begin)
@@ -167,7 +169,7 @@ def draft_of(
     fastest = float(config.energy.E_fast) if config.limit_scale else math.inf
     linear, smooth = both_timings(prepared.graph, choice, fastest)
     if config.warp == "smooth" and choice.status == Status.AVOIDED and smooth is not linear:
-        fitted = _fitted(prepared, attack, choice, config, smooth)
+        fitted = _fitted(prepared, attack, choice, config, smooth, begin)
         if fitted is not None:
             draft = _draft(prepared, attack, fitted, config, "smooth", smooth, begin)
             if _clearance(draft) >= CLEAR_M:
@@ -176,13 +178,18 @@ def draft_of(
 
 
 def _fitted(
-    prepared: Prepared, attack: Attack, choice: Choice, config: AvoidanceConfig, timing: TimeWarp
+    prepared: Prepared,
+    attack: Attack,
+    choice: Choice,
+    config: AvoidanceConfig,
+    timing: TimeWarp,
+    begin: FeetState | None,
 ) -> Choice | None:
     """A choice whose refinement, if it has one, suits another timing; None where none does."""
     if choice.refinement is None:
         return choice
     config = for_body(config, prepared.graph.body_scale)
-    change = retimed(prepared, choice.walk, timing, choice.refinement, attack, config)
+    change = retimed(prepared, choice.walk, timing, choice.refinement, attack, config, begin)
     return None if change is None else replace(choice, refinement=change)
 
 

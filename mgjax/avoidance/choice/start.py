@@ -19,6 +19,7 @@ from mgjax.avoidance.choice.results import Choice
 from mgjax.avoidance.config import AvoidanceConfig, for_body
 from mgjax.avoidance.prepared import Prepared
 from mgjax.core.errors import AttackError, ConfigError
+from mgjax.graph.feet.course import FeetState
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,6 +34,7 @@ class Query:
         crop: the part of it that counts for energies and timing.
         as_written: the clearance of a choice as it would be written, feet kept, m. A candidate that
             is clear as captured and not as written is not taken. None: captured motion decides.
+        begin: what the feet are off now; None: nothing.
     """
 
     prepared: Prepared
@@ -41,6 +43,7 @@ class Query:
     attack: Attack
     crop: Crop
     as_written: Callable[[Choice], float] | None = None
+    begin: FeetState | None = None
 
     @property
     def until(self) -> float:
@@ -85,10 +88,11 @@ def ask(
     attack: Attack,
     config: AvoidanceConfig,
     as_written: Callable[[Choice], float] | None = None,
+    begin: FeetState | None = None,
 ) -> Query | None:
     """The query of a character at a node; None if the attack never comes near.
 
-    ``as_written``: see :class:`Query`.
+    ``as_written`` and ``begin``: see :class:`Query`.
 
     Raises:
         ConfigError: no such node.
@@ -106,6 +110,7 @@ def ask(
         attack=attack,
         crop=crop,
         as_written=as_written,
+        begin=begin,
     )
 
 

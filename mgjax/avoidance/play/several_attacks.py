@@ -113,7 +113,7 @@ def _find_path(
     near = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins)
     touched = near < CLEAR_M and not rest.changes  # what is changed is clearer than its walk
     try:
-        chosen = choose(prepared, node, attack, config=config, as_written=as_written)
+        chosen = choose(prepared, node, attack, config=config, as_written=as_written, begin=feet)
     except AttackError:  # it is in the body where the path would begin
         return JointPath(status=Status.HIT, walk=None, joint=False)
     status = Status.HIT if touched else chosen.status
@@ -132,7 +132,8 @@ def _find_path(
         joint = _clear(prepared, chosen.walk, others)
     else:
         joint = all(
-            refined_clearance(prepared.graph, chosen.walk, chosen.refinement, other) >= CLEAR_M
+            refined_clearance(prepared.graph, chosen.walk, chosen.refinement, other, feet)
+            >= CLEAR_M
             for other in others
         )
     if chosen.status == Status.AVOIDED and not joint:

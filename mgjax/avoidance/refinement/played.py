@@ -1,4 +1,4 @@
-"""Walks as they are played: poses and planted feet at any time, and what changing them takes."""
+"""Walks as they are written: poses and planted feet over time, and what changing them takes."""
 
 from __future__ import annotations
 
@@ -9,17 +9,21 @@ from jaxtyping import Bool, Float
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.body.spheres import BodySpheres, preset_spheres
+from mgjax.avoidance.checks.written import walk_motion
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.avoidance.refinement.refinement import (
     free_feet,
 )
 from mgjax.avoidance.refinement.rig import Rig, make_rig
+from mgjax.avoidance.timing.walk_warps import linear_warp, natural_starts
 from mgjax.core.motion import Motion
+from mgjax.core.shown import like
 from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.cache import cached
+from mgjax.graph.feet.course import FeetState
 from mgjax.graph.plants import planted_frames
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, frames_at, sample_walk
+from mgjax.graph.walk import Walk, extend, frames_at
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,30 +54,58 @@ def _make(graph: MotionGraph) -> Refiner:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Played:
-    """A walk as it is played.
+    """A walk as it is written, its feet kept.
 
     Attributes:
-        graph, walk: the walk.
+        graph, walk: the walk, as long as the motion needs.
         timing: which moment of it, as captured, is shown when.
+        written: the motion from now on.
     """
 
     graph: MotionGraph
     walk: Walk
     timing: TimeWarp
+    written: Motion
 
     def motion(self, times: Float[np.ndarray, " T"]) -> Motion:
-        """Poses at some times."""
-        poses = sample_walk(self.graph, self._captured, self.timing.at(times))
-        return replace(poses, frame_rate=EXPORT_RATE)
+        """Poses of the written frames nearest to some times."""
+        frames = np.round(np.asarray(times) * EXPORT_RATE).astype(np.int64)
+        motion = replace(
+            self.written,
+            root_translation=self.written.root_translation[frames],
+            local_rotations=self.written.local_rotations[frames],
+        )
+        return like(motion, self.written)
 
     def planted(self, plants: Bool[np.ndarray, "F L"], times: np.ndarray) -> np.ndarray:
         """Which feet stand at some times, where either of the two frames says so."""
-        frames = frames_at(self.graph, self._captured, self.timing.at(times))
+        captured = Walk(edges=self.walk.edges, scales=np.ones(len(self.walk.edges)))
+        frames = frames_at(self.graph, captured, self.timing.at(times))
         return plants[frames.low] | plants[frames.high]
 
-    @property
-    def _captured(self) -> Walk:
-        return Walk(edges=self.walk.edges, scales=np.ones(len(self.walk.edges)))
+
+def played(
+    graph: MotionGraph,
+    walk: Walk,
+    seconds: float,
+    *,
+    timing: TimeWarp | None = None,
+    begin: FeetState | None = None,
+) -> Played:
+    """A walk as it is written until so many seconds from now.
+
+    Args:
+        graph: the graph.
+        walk: first out-edges follow it where it ends earlier.
+        seconds: at least.
+        timing: how it is played; default: as its scales say.
+        begin: what the feet are off now; default: nothing.
+    """
+    timing = timing or linear_warp(graph, walk)
+    beyond = float(timing.at(np.array([seconds]))[0] - natural_starts(graph, walk)[-1])
+    longer = extend(graph, walk, float(walk.starts(graph)[-1]) + beyond)
+    motion = walk_motion(graph, longer, seconds, timing, begin)
+    return Played(graph=graph, walk=longer, timing=timing, written=motion)
 
 
 def written_frames(attack: Attack) -> Float[np.ndarray, " T"]:

@@ -1,4 +1,4 @@
-"""From walks and an attack to problems of one shape that are solved together."""
+"""From a walk and an attack to a problem of one of few shapes."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from mgjax.avoidance.body.spheres import sphere_centres
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import EXPORT_RATE, FAR
+from mgjax.avoidance.refinement.inside import AIMED, DEPTH_M
 from mgjax.avoidance.refinement.played import Played, Refiner, free_at, written_frames
 from mgjax.avoidance.refinement.rig import Rig, unit_of
 from mgjax.avoidance.refinement.slopes import base_of
-from mgjax.avoidance.refinement.solve import PER_LANE, Problem
+from mgjax.avoidance.refinement.solve import Problem
 from mgjax.avoidance.refinement.splines import basis, size_matrix
 from mgjax.core.arrays import Array
 from mgjax.core.kinematics import forward
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import extend
 
 MARGIN_M = 0.008
 """Clearance that is aimed at, of an adult."""
@@ -31,8 +31,6 @@ LEAD_S = 0.5
 """How long before the first contact the change begins, and after the last one ends."""
 SHORTEST_S = 0.3
 """The same where the written motion would end earlier."""
-LANES = 4
-"""Motions that are changed together."""
 MOMENTS = 32
 """Written frames near the attack that a call is compiled for, and three times as many"""
 OTHERS = 16
@@ -59,6 +57,11 @@ class Lane:
     start: float
     stop: float
     problem: Problem
+
+
+def last_moment(attack: Attack, config: AvoidanceConfig) -> float:
+    """Until when a motion that may be changed because of an attack is needed, s."""
+    return attack.end + max(config.settle_s, SHORTEST_S) + 2 / EXPORT_RATE
 
 
 def lane_of(
@@ -95,8 +98,7 @@ def lane_of(
     gone = float(times[touched[-1]])
     stop = min(gone + LEAD_S, max(attack.end + config.settle_s, gone + SHORTEST_S))
     stop = np.ceil(stop * EXPORT_RATE) / EXPORT_RATE
-    played = replace(played, walk=extend(prepared.graph, played.walk, float(stop)))
-    others = np.linspace(start, stop, OTHERS + 2)[1:-1]
+    others = np.round(np.linspace(start, stop, OTHERS + 2)[1:-1] * EXPORT_RATE) / EXPORT_RATE
     rest = played.motion(others)
     moments = np.concatenate([times[rows], others])
     return Lane(
@@ -120,13 +122,10 @@ def lane_of(
     )
 
 
-def padded(lanes: list[Lane]) -> Problem:
-    """Problems of one shape, as many as a bucket holds; padding is never near."""
-    moments = bucket_size(max(len(lane.times) for lane in lanes), MOMENTS, 3)
-    spheres = bucket_size(len(lanes[0].problem.radii), SPHERE_BUCKET, 8)
-    rows = [_pad(lane.problem, moments, spheres) for lane in lanes]
-    rows += [rows[-1]] * (LANES * -(-len(rows) // LANES) - len(rows))
-    return _stacked(rows)
+def padded(lane: Lane) -> Problem:
+    """The problem in a shape that a call is compiled for; padding is never near."""
+    moments = bucket_size(len(lane.times), MOMENTS, 3)
+    return _pad(lane.problem, moments, bucket_size(len(lane.problem.radii), SPHERE_BUCKET, 8))
 
 
 def empty_problem(graph: MotionGraph, rig: Rig, moments: int, spheres: int) -> Problem:
@@ -136,7 +135,7 @@ def empty_problem(graph: MotionGraph, rig: Rig, moments: int, spheres: int) -> P
     free = np.zeros((count, len(rig.legs)))
     base = base_of(rig, graph.root_translation[rows], graph.local_rotations[rows], free)
     times = np.linspace(0, 1, count)
-    one = Problem(
+    return Problem(
         base=base,
         basis=basis(times, 0.0, 1.0).astype(np.float32),
         attack=np.full((moments, spheres, 3), 100.0, np.float32),
@@ -144,7 +143,6 @@ def empty_problem(graph: MotionGraph, rig: Rig, moments: int, spheres: int) -> P
         absent=np.ones((moments - 1, spheres), np.float32),
         **_settings(rig, 1.0, 0.1, 20.0),
     )
-    return _stacked([one] * LANES)
 
 
 def _settings(rig: Rig, scale: float, max_m: float, max_deg: float) -> dict[str, np.ndarray]:
@@ -155,16 +153,8 @@ def _settings(rig: Rig, scale: float, max_m: float, max_deg: float) -> dict[str,
         "margin": np.asarray(MARGIN_M * scale, np.float32),
         "max_m": np.asarray(max_m, np.float32),
         "max_rad": np.asarray(np.radians(max_deg), np.float32),
+        "deep": np.asarray(AIMED * DEPTH_M * scale, np.float32),
     }
-
-
-def _stacked(rows: list[Problem]) -> Problem:
-    """Problems of one shape as one."""
-    own = {
-        name: jax.tree.map(lambda *x: np.stack(x), *(getattr(row, name) for row in rows))
-        for name in PER_LANE
-    }
-    return replace(rows[0], **own)
 
 
 def _pad(problem: Problem, moments: int, spheres: int) -> Problem:

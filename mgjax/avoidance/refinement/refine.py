@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
+import jax
 import numpy as np
 from jaxtyping import Float
 
@@ -13,13 +15,21 @@ from mgjax.avoidance.checks.written import clearance, sphere_trajectory
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import EXPORT_RATE
-from mgjax.avoidance.refinement.played import Played, Refiner, free_at, refiner_of, written_frames
+from mgjax.avoidance.refinement.inside import DEPTH_M, depths
+from mgjax.avoidance.refinement.played import (
+    Played,
+    Refiner,
+    free_at,
+    played,
+    refiner_of,
+    written_frames,
+)
 from mgjax.avoidance.refinement.problems import (
     MOMENTS,
     MOST_MOMENTS,
-    Lane,
     empty_problem,
     lane_of,
+    last_moment,
     padded,
 )
 from mgjax.avoidance.refinement.refinement import (
@@ -27,14 +37,19 @@ from mgjax.avoidance.refinement.refinement import (
     change_motion,
     change_of_joints,
 )
-from mgjax.avoidance.refinement.solve import solve_lanes
+from mgjax.avoidance.refinement.rig import Rig
+from mgjax.avoidance.refinement.solve import solve_compiled
 from mgjax.avoidance.refinement.splines import SPLINES, basis
-from mgjax.avoidance.timing.walk_warps import linear_warp, natural_starts
+from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
 from mgjax.core.timing.time_warp import TimeWarp
+from mgjax.graph.feet.course import FeetState
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, extend
+from mgjax.graph.walk import Walk
 
+_SHRINKING = 3
+_LITTLE = 1.12
+"""A change so many times too large is made smaller, so often at most."""
 ENOUGH_M = 0.003
 """Clearance of the written motion with which a change is good enough, of an adult."""
 
@@ -45,7 +60,7 @@ def refine_walks(
     attack: Attack,
     config: AvoidanceConfig,
     *,
-    timings: Sequence[TimeWarp] | None = None,
+    begin: FeetState | None = None,
 ) -> list[Refinement | None]:
     """Least changes that clear some walks of an attack; None where none is found within the caps.
 
@@ -54,37 +69,30 @@ def refine_walks(
         walks: each from now on.
         attack: in the planar frame of their common node.
         config: settings of this graph's body (:func:`~mgjax.avoidance.config.for_body`).
-        timings: how the walks are played; default: as their scales say.
+        begin: what the feet are off now; default: nothing.
 
     Returns:
         One for each walk. Every one that is not None was checked: the changed motion as it is
-        written has a clearance of ``ENOUGH_M`` and keeps within both caps.
+        written has a clearance of ``ENOUGH_M``, keeps within both caps, and has no limb deeper in
+        the body than before, or than the capture and ``DEPTH_M``.
     """
     graph, refiner = prepared.graph, refiner_of(prepared.graph)
-    lanes: list[Lane | None] = []
-    for number, walk in enumerate(walks):
-        timing = linear_warp(graph, walk) if timings is None else timings[number]
-        played = Played(graph=graph, walk=walk, timing=timing)
-        lanes.append(lane_of(prepared, refiner, played, attack, config))
-    some = [lane for lane in lanes if lane is not None]
-    if not some:
-        return [None] * len(walks)
-    solution = solve_lanes(refiner.rig, padded(some))
-    coefficients = np.asarray(solution.coefficients, np.float64)
-    cleared = np.asarray(solution.clearance)
+    until = last_moment(attack, config)
     found: list[Refinement | None] = []
-    row = 0
-    for lane in lanes:
+    for walk in walks:
+        motion = played(graph, walk, until, begin=begin)
+        lane = lane_of(prepared, refiner, motion, attack, config)
         if lane is None:
             found.append(None)
             continue
-        good = np.isfinite(cleared[row]) and cleared[row] >= 0
-        found.append(
-            checked(refiner, lane.played, lane.start, lane.stop, coefficients[row], attack, config)
-            if good
-            else None
-        )
-        row += 1
+        solution = solve_compiled(refiner.rig, padded(lane))
+        cleared = float(solution.clearance)
+        coefficients = np.asarray(solution.coefficients, np.float64)
+        change = None
+        if np.isfinite(cleared) and cleared >= 0:
+            span = lane.start, lane.stop
+            change = checked(refiner, motion, *span, coefficients, attack, config)
+        found.append(change)
     return found
 
 
@@ -97,12 +105,12 @@ def compile_refining(prepared: Prepared, spheres: int) -> None:
     """
     rig = refiner_of(prepared.graph).rig
     for moments in (MOMENTS, MOST_MOMENTS):
-        solve_lanes(rig, empty_problem(prepared.graph, rig, moments, spheres))
+        solve_compiled(rig, empty_problem(prepared.graph, rig, moments, spheres))
 
 
 def checked(
     refiner: Refiner,
-    played: Played,
+    motion: Played,
     start: float,
     stop: float,
     coefficients: Float[np.ndarray, "K C"],
@@ -111,18 +119,33 @@ def checked(
 ) -> Refinement | None:
     """The change that some coefficients make; None unless the written motion is clear with it.
 
-    Its clearance, and how far each joint moves and turns, are those of every written frame.
+    Its clearance, and how far each joint moves and turns, are those of every written frame. A
+    change that is a little too large is made smaller as a whole, since more than enough is aimed
+    at.
     """
-    rig, graph = refiner.rig, played.graph
-    values = values_of(refiner, played, start, stop, coefficients)
+    rig, graph = refiner.rig, motion.graph
     frames = np.arange(round(start * EXPORT_RATE), round(stop * EXPORT_RATE) + 1) / EXPORT_RATE
-    before = played.motion(frames)
-    after = change_motion(rig, before, frames, values, start)
-    moved, turned = change_of_joints(rig, before, after)
-    if moved.max() > config.refine_max_m or turned.max() > config.refine_max_deg:
+    before = motion.motion(frames)
+    for _ in range(_SHRINKING):
+        values = values_of(refiner, motion, start, stop, coefficients)
+        after = change_motion(rig, before, frames, values, start)
+        moved, turned = change_of_joints(rig, before, after)
+        tiny = 1e-9
+        share = max(
+            float(moved.max()) / max(config.refine_max_m, tiny),
+            float(turned.max()) / max(config.refine_max_deg, tiny),
+        )
+        if share <= 1:
+            break
+        if share > _LITTLE:
+            return None
+        coefficients = coefficients * (0.999 / share)
+    else:
         return None
-    least = clearance_at(refiner, played, attack, values, start)
+    least = clearance_at(refiner, motion, attack, values, start)
     if least < ENOUGH_M * graph.body_scale:
+        return None
+    if too_deep(rig, before, after, graph.body_scale):
         return None
     some = np.flatnonzero((moved > 1e-5) | (turned > 1e-3))
     return Refinement(
@@ -131,10 +154,22 @@ def checked(
         joints=tuple(graph.skeleton.names[j] for j in some),
         moved_m=tuple(moved[some].tolist()),
         turned_deg=tuple(turned[some].tolist()),
-        clearance_before_m=clearance_at(refiner, played, attack, None, start),
+        clearance_before_m=clearance_at(refiner, motion, attack, None, start),
         clearance_m=least,
         coefficients=coefficients,
     )
+
+
+def too_deep(rig: Rig, before: Motion, after: Motion, scale: float) -> bool:
+    """Whether a change puts a limb deeper in the body than it was, and than it may be."""
+    plain = replace(rig, apart=np.asarray(rig.apart), pairs=jax.tree.map(np.asarray, rig.pairs))
+    skeleton = replace(rig.skeleton, offsets=np.asarray(rig.skeleton.offsets))
+    were, are = (
+        depths(plain, np.asarray(forward(skeleton, m.root_translation, m.local_rotations)[0]))
+        for m in (before, after)
+    )
+    most = np.maximum(np.max(were, initial=0.0), DEPTH_M * scale)
+    return bool(np.max(are, initial=0.0) > most)
 
 
 def retimed(
@@ -144,17 +179,16 @@ def retimed(
     refinement: Refinement,
     attack: Attack,
     config: AvoidanceConfig,
+    begin: FeetState | None = None,
 ) -> Refinement | None:
     """A change of a walk, for the same walk that is played otherwise; None where it is not clear.
 
     Feet are planted at other times then. The arguments are those of :func:`refine_walks`.
     """
-    graph = prepared.graph
-    beyond = float(timing.at(np.array([refinement.stop]))[0] - natural_starts(graph, walk)[-1])
-    longer = extend(graph, walk, float(walk.starts(graph)[-1]) + beyond)
-    played = Played(graph=graph, walk=longer, timing=timing)
     start, stop = refinement.start, refinement.stop
-    return checked(refiner_of(graph), played, start, stop, refinement.coefficients, attack, config)
+    motion = played(prepared.graph, walk, last_moment(attack, config), timing=timing, begin=begin)
+    refiner = refiner_of(prepared.graph)
+    return checked(refiner, motion, start, stop, refinement.coefficients, attack, config)
 
 
 def change_written(graph: MotionGraph, refinement: Refinement, motion: Motion) -> Motion:
@@ -165,7 +199,7 @@ def change_written(graph: MotionGraph, refinement: Refinement, motion: Motion) -
 
 def values_of(
     refiner: Refiner,
-    played: Played,
+    motion: Played,
     start: float,
     stop: float,
     coefficients: Float[np.ndarray, "K C"],
@@ -175,32 +209,35 @@ def values_of(
     values = basis(frames, start, stop, SPLINES) @ coefficients
     legs = len(refiner.rig.legs)
     if legs:
-        free = free_at(refiner, played, start, stop, frames)
+        free = free_at(refiner, motion, start, stop, frames)
         values[:, -3 * legs :] *= np.repeat(free, 3, axis=1)
     return values
 
 
 def clearance_at(
     refiner: Refiner,
-    played: Played,
+    motion: Played,
     attack: Attack,
     values: Float[np.ndarray, "W C"] | None,
     start: float,
 ) -> float:
     """The exact check of a walk that is changed, over the time at which the attack is there, m."""
     times = written_frames(attack)
-    motion = played.motion(times)
+    poses = motion.motion(times)
     if values is not None:
-        motion = change_motion(refiner.rig, motion, times, values, start)
-    trace = sphere_trajectory(played.graph, refiner.spheres, motion)
+        poses = change_motion(refiner.rig, poses, times, values, start)
+    trace = sphere_trajectory(motion.graph, refiner.spheres, poses)
     return clearance(shifted(attack, float(times[0])), trace, refiner.spheres.radii)[1]
 
 
 def refined_clearance(
-    graph: MotionGraph, walk: Walk, refinement: Refinement, attack: Attack
+    graph: MotionGraph,
+    walk: Walk,
+    refinement: Refinement,
+    attack: Attack,
+    begin: FeetState | None = None,
 ) -> float:
     """The exact check of a walk with the change of a refinement against another attack, m."""
-    longer = extend(graph, walk, attack.end)
-    played = Played(graph=graph, walk=longer, timing=linear_warp(graph, longer))
+    motion = played(graph, walk, attack.end + 2 / EXPORT_RATE, begin=begin)
     values, start = refinement.values, refinement.start
-    return clearance_at(refiner_of(graph), played, attack, values, start)
+    return clearance_at(refiner_of(graph), motion, attack, values, start)

@@ -10,12 +10,15 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.body.spheres import BodySpheres
 from mgjax.core.arrays import Array, namespace
+from mgjax.core.body.capsules import CapsulePairs, pair_distances
 from mgjax.core.body.joint_limits import JointLimits, joint_limits, swing_twist
 from mgjax.core.body.roles import find_role
 from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.pytree import register
 from mgjax.graph.types import MotionGraph
+from mgjax.quality.subject import subject_of
 
+_CHUNK = 1024
 Leg = tuple[int, int, int]
 """Hip, knee and ankle."""
 
@@ -38,6 +41,8 @@ class Rig:
         first, second, place: each sphere of the body lies between two joints, so far from the
             first. [S], [S], [S, 1]
         radii: of the spheres, m. [S]
+        pairs: capsules that should not meet. [P]
+        apart: how far they are apart at least in the capture, m; at most 0. [P]
     """
 
     skeleton: Skeleton
@@ -50,6 +55,8 @@ class Rig:
     second: Int[Array, " S"]
     place: Float[Array, "S 1"]
     radii: Float[Array, " S"]
+    pairs: CapsulePairs
+    apart: Float[Array, " P"]
 
     @property
     def channels(self) -> int:
@@ -71,6 +78,7 @@ def make_rig(graph: MotionGraph, spheres: BodySpheres) -> Rig:
         shares[row, list(joints)] = 1 / len(joints)
     legs = tuple(leg for side in ("left", "right") if (leg := _leg(skeleton, side)) is not None)
     limited = sorted(j for name, joints in groups.items() if name != "pelvis" for j in joints)
+    pairs = subject_of(skeleton)[0].pairs
     return Rig(
         skeleton=replace(skeleton, offsets=jnp.asarray(skeleton.offsets, dtype=jnp.float32)),
         groups=tuple(groups),
@@ -82,7 +90,18 @@ def make_rig(graph: MotionGraph, spheres: BodySpheres) -> Rig:
         second=jnp.asarray(spheres.second, dtype=jnp.int32),
         place=jnp.asarray(spheres.share[:, None], dtype=jnp.float32),
         radii=jnp.asarray(spheres.radii, dtype=jnp.float32),
+        pairs=pairs,
+        apart=jnp.asarray(_apart(graph, pairs), dtype=jnp.float32),
     )
+
+
+def _apart(graph: MotionGraph, pairs: CapsulePairs) -> Float[np.ndarray, " P"]:
+    """How far capsules are apart at least in the captured clips of a graph, m; at most 0."""
+    least = np.zeros(len(pairs.reach))
+    for first in range(0, int(graph.clip_stops[-1]), _CHUNK):
+        some = graph.positions[first : min(first + _CHUNK, int(graph.clip_stops[-1]))]
+        np.minimum(least, np.asarray(pair_distances(pairs, some)).min(axis=0), out=least)
+    return least
 
 
 def joint_groups(skeleton: Skeleton) -> dict[str, tuple[int, ...]]:

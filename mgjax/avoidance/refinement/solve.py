@@ -18,13 +18,14 @@ of that moment only, so derivatives are taken with respect to these.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from mgjax.avoidance.refinement.inside import deepest, depths
 from mgjax.avoidance.refinement.nearest import is_least, nearest_intervals, swept
 from mgjax.avoidance.refinement.rig import Rig
 from mgjax.avoidance.refinement.slopes import Base, Changed, changed_with_slopes
@@ -67,18 +68,20 @@ class Problem:
         unit: what of each channel weighs as much as 1. [C]
         margin: wanted clearance, m.
         max_m, max_rad: caps on how far a joint moves and turns.
+        deep: how far limbs may be in the body beyond the capture, where they were not anyway, m.
     """
 
     base: Base
-    basis: Float[Array, "*b M K"]
-    attack: Float[Array, "*b T I 3"]
-    radii: Float[Array, "*b I"]
-    absent: Float[Array, "*b V I"]
+    basis: Float[Array, "M K"]
+    attack: Float[Array, "T I 3"]
+    radii: Float[Array, " I"]
+    absent: Float[Array, "V I"]
     size: Float[Array, "K K"]
     unit: Float[Array, " C"]
     margin: Float[Array, ""]
     max_m: Float[Array, ""]
     max_rad: Float[Array, ""]
+    deep: Float[Array, ""]
 
 
 @register()
@@ -92,9 +95,9 @@ class Solution:
         before: of the unchanged motion.
     """
 
-    coefficients: Float[Array, "*b K C"]
-    clearance: Float[Array, "*b"]
-    before: Float[Array, "*b"]
+    coefficients: Float[Array, "K C"]
+    clearance: Float[Array, ""]
+    before: Float[Array, ""]
 
 
 @register()
@@ -102,9 +105,9 @@ class Solution:
 class Step:
     """Where a step begins: coefficients, m and rad, clearance, m, and what both cost."""
 
-    coefficients: Float[Array, "*b K C"]
-    clearance: Float[Array, "*b"]
-    cost: Float[Array, "*b"]
+    coefficients: Float[Array, "K C"]
+    clearance: Float[Array, ""]
+    cost: Float[Array, ""]
 
 
 def solve(rig: Rig, problem: Problem) -> Solution:
@@ -130,6 +133,7 @@ def solve(rig: Rig, problem: Problem) -> Solution:
     needed = problem.margin - before
     begins = jnp.minimum(INSIDE * problem.max_m, 1.15 * needed)
     rows = nearest_intervals(start)
+    bounds = depths(rig, base.places), begins
 
     def step(state: tuple[Array, Array], _: None) -> tuple[tuple[Array, Array], Step]:
         x, multipliers = state
@@ -153,7 +157,7 @@ def solve(rig: Rig, problem: Problem) -> Solution:
         )
         active = (push > 0).astype(gap.dtype).reshape(-1, 1)
         soft, to_soft, share_of_caps = _soft(
-            rig, problem, base.places, now, bases @ x * unit[None], begins
+            rig, problem, base.places, now, bases @ x * unit[None], bounds
         )
         to_soft = to_soft * unit[None, None]
         squares = jnp.einsum("trc,trd->tcd", to_soft, to_soft)
@@ -188,10 +192,19 @@ def _soft(
     places: Float[Array, "T J 3"],
     now: Changed,
     channels: Float[Array, "T C"],
-    begins: Float[Array, ""],
+    bounds: tuple[Float[Array, "T P"], Float[Array, ""]],
 ) -> tuple[Float[Array, "T R"], Float[Array, "T R C"], Float[Array, ""]]:
     """What a change costs beside the size of its curves, its derivatives, and the largest move or
-    turn as a share of its cap."""
+    turn as a share of its cap.
+
+    Args:
+        rig, problem: the problem.
+        places: of joints before.
+        now: changed poses.
+        channels: what they are changed by.
+        bounds: how deep limbs are in the body before, and the move from which on it costs, m.
+    """
+    were_deep, begins = bounds
     groups, legs = len(rig.groups), len(rig.legs)
     moments, joints = places.shape[:2]
     split = 3 + 3 * groups
@@ -231,6 +244,7 @@ def _soft(
             now.bounds[:, turns + inner :] - 3e-4, now.to_bounds[:, turns + inner :], _SOFT_FOOT_M
         ),
         _hinge(sunk, feet, _SOFT_FOOT_M),
+        _hinge(*deepest(rig, now, jnp.maximum(were_deep, problem.deep)), _SOFT_M),
     ]
     values, slopes = zip(*blocks, strict=True)
     turned = jnp.maximum(jnp.max(turn * largest[None]), jnp.max(now.bounds[:, :turns], initial=0.0))
@@ -244,14 +258,4 @@ def _hinge(value: Array, slopes: Array, scale: float) -> tuple[Array, Array]:
     return value * on, slopes * on[..., None]
 
 
-PER_LANE = ("base", "basis", "attack", "radii", "absent")
-"""What each problem of several has of its own; the others are common to all."""
-
-
-def solve_all(rig: Rig, problems: Problem) -> Solution:
-    """Several problems of one rig, those of ``PER_LANE`` with a leading axis."""
-    own = {name: getattr(problems, name) for name in PER_LANE}
-    return jax.vmap(lambda lane: solve(rig, replace(problems, **lane)))(own)
-
-
-solve_lanes = jax.jit(solve_all)
+solve_compiled = jax.jit(solve)

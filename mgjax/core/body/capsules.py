@@ -218,12 +218,23 @@ def segment_distance(
     where the segments meet.
     """
     xp = namespace(a, b, c, axis)
-    u, v, w = b - a, axis, a - c
+    s, t = nearest_shares(a, b, c, c + axis)
+    between = a - c + s[..., None] * (b - a) - t[..., None] * axis
+    return xp.sqrt(xp.maximum(xp.sum(between**2, axis=-1), 1e-20))
+
+
+def nearest_shares(
+    a: Float[Array, "*b 3"],
+    b: Float[Array, "*b 3"],
+    c: Float[Array, "*b 3"],
+    d: Float[Array, "*b 3"],
+) -> tuple[Float[Array, "*b"], Float[Array, "*b"]]:
+    """Where the segments a … b and c … d, of lengths above 0, are nearest: shares of each."""
+    xp = namespace(a, b, c, d)
+    u, v, w = b - a, d - c, a - c
     uu, uv, vv = (xp.sum(x * y, axis=-1) for x, y in ((u, u), (u, v), (v, v)))
     uw, vw = (xp.sum(x * w, axis=-1) for x in (u, v))
     free = xp.maximum(uu * vv - uv * uv, 1e-12)
     s = xp.clip((uv * vw - vv * uw) / free, 0.0, 1.0)
     t = xp.clip((uv * s + vw) / vv, 0.0, 1.0)
-    s = xp.clip((uv * t - uw) / uu, 0.0, 1.0)
-    between = w + s[..., None] * u - t[..., None] * v
-    return xp.sqrt(xp.maximum(xp.sum(between**2, axis=-1), 1e-20))
+    return xp.clip((uv * t - uw) / uu, 0.0, 1.0), t

@@ -95,6 +95,29 @@ def test_sliders_change_the_ball(page: Any):
     assert radii[-1] == pytest.approx(0.3)
 
 
+def test_a_switch_for_parries_is_of_one_character(page: Any):
+    page.evaluate(
+        """() => {
+          const { link } = mgjax, send = link.send;
+          mgjax.sent = [];
+          link.send = (message) => { mgjax.sent.push(message); send.call(link, message); };
+        }"""
+    )
+    page.locator("[data-name=search] summary").click()
+    page.locator("[data-name=second]").check()
+    page.wait_for_function("mgjax.stage.scene.actors.size === 2", timeout=WAIT)
+    page.locator("[data-name=settings-of]").locator("label", has_text="B").click()
+    page.locator("[data-name=parry]").check()
+    sent = page.evaluate("mgjax.sent.filter((message) => 'parry' in message)")
+    assert sent == [{"type": "settings", "lane": 1, "parry": True}]
+    page.locator("[data-name=settings-of]").locator("label", has_text="A").click()
+    assert not page.locator("[data-name=parry]").is_checked()
+    words = throw(page)
+    assert any(each in words for each in ("Avoided by", "Hit", "Passed", "Parried with"))
+    page.locator("[data-name=second]").uncheck()
+    page.wait_for_function("mgjax.stage.scene.actors.size === 1", timeout=WAIT)
+
+
 def test_pause_and_go_on(page: Any):
     page.locator("label", has_text="Pause").click()
     page.wait_for_function(

@@ -1,4 +1,4 @@
-"""What the sliders set."""
+"""What the sliders and switches set."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from mgjax.avoidance.config import BALL_RADIUS_M, AvoidanceConfig, EnergyConfig
-from mgjax.stage.serve.fields import number
+from mgjax.stage.serve.fields import flag, number
 from mgjax.stage.serve.session import Message
 
 
@@ -57,6 +57,8 @@ def with_search(config: AvoidanceConfig, message: Message) -> AvoidanceConfig:
     """Settings of the search with those that a message has changed."""
     changed = {n: number(message, n, *SEARCH_RANGES[n]) for n in SEARCH_RANGES if n in message}
     energy = {f.name for f in fields(EnergyConfig)}
+    if "parry" in message:
+        config = replace(config, parry="on" if flag(message, "parry") else "off")
     return replace(
         config,
         energy=replace(config.energy, **{n: v for n, v in changed.items() if n in energy}),
@@ -65,8 +67,8 @@ def with_search(config: AvoidanceConfig, message: Message) -> AvoidanceConfig:
 
 
 def settings_json(ball: BallSettings, config: AvoidanceConfig) -> dict[str, Any]:
-    """All sliders: value, least and most."""
-    found: dict[str, Any] = {}
+    """All sliders: value, least and most; of the switch whether it is on."""
+    found: dict[str, Any] = {"parry": {"value": config.parry == "on"}}
     for ranges, sources in ((BALL_RANGES, (ball,)), (SEARCH_RANGES, (config, config.energy))):
         for name, (low, high) in ranges.items():
             source = next(s for s in sources if hasattr(s, name))

@@ -93,6 +93,22 @@ def test_sliders_act_on_the_next_throw(open_tab):
     assert tab.session._ball.radius == 0.3, "a refused message changes nothing"
 
 
+def test_a_switch_lets_an_arm_parry(open_tab):
+    tab = open_tab()
+    lane = tab.session._lanes[0]
+    (opened,) = [m for m in tab.told if "settings" in m.get("options", {})]
+    assert opened["options"]["settings"]["parry"] == {"value": False}
+    tab.session.receive({"type": "settings", "lane": 0, "parry": True})
+    assert lane.config.parry == "on"
+    assert lane.planner._config.parry == "on"
+    tab.session.receive({"type": "settings", "lane": 0, "w_a": 2.0})
+    assert lane.config.parry == "on", "what a message does not name stays"
+    tab.session.receive({"type": "settings", "lane": 0, "parry": False})
+    assert lane.planner._config.parry == "off"
+    with pytest.raises(ConfigError, match="got parry 1"):
+        tab.session.receive({"type": "settings", "lane": 0, "parry": 1})
+
+
 def test_time_stands_still_and_goes_on(open_tab):
     tab = open_tab()
     tab.play(1.0)

@@ -1,4 +1,4 @@
-/** The sliders: of the ball, and of the search of either character. */
+/** Sliders and switches: of the ball, and of the search of either character. */
 
 const BALL = [
   ['speed', 'Speed', 'm/s', 0.5],
@@ -29,6 +29,7 @@ export function createSettings({ ui, side, link, options }) {
     onChange(value) {
       lane = value;
       SEARCH.forEach(([name], i) => { sliders[i].value = values[lane][name].value; });
+      parry.value = values[lane].parry.value;
     },
   });
   who.element.hidden = true;
@@ -38,6 +39,13 @@ export function createSettings({ ui, side, link, options }) {
       who.element.hidden = !on;
       if (!on) who.value = lane = 0;
       heard.forEach((callback) => callback(on));
+    },
+  });
+  const parry = ui.toggle(search, {
+    label: 'Parry what nothing avoids', name: 'parry', value: options.settings.parry.value,
+    onChange(on) {
+      values[lane].parry = { value: on };
+      link.send({ type: 'settings', lane, parry: on });
     },
   });
   const sliders = SEARCH.map((row) => add(search, row));
