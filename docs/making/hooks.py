@@ -21,6 +21,17 @@ PLAYERS = ROOT / "out" / "players"
 _FRAME = re.compile(r'<iframe class="player" src="([^"]+)"')
 
 
+def on_config(config: Any) -> Any:
+    """Pages that the navigation does not name come last in their part of it."""
+    groups = {title: part for item in config.nav for title, part in item.items()}
+    named = str(config.nav)
+    pages = {"Topics": [path.name for path in sorted((ROOT / "docs").glob("*.md"))]}
+    pages["Project"] = [name for name in ROOT_PAGES if (ROOT / name).is_file()]
+    for title, names in pages.items():
+        groups[title] += [name for name in names if f"'{name}'" not in named]
+    return config
+
+
 def on_files(files: Files, config: Any) -> Files:
     """Adds pictures, players, pages of the root and of the reference."""
     make(PLAYERS)

@@ -57,7 +57,8 @@ PLAYERS: dict[str, Callable[[Path], None]] = {
 
 def make(folder: Path) -> None:
     """Makes those that are not there, or older than the package."""
-    newest = max(p.stat().st_mtime for p in (ROOT / "mgjax").rglob("*") if p.is_file())
+    sources = [p for p in (ROOT / "mgjax").rglob("*.*") if p.suffix in (".py", ".js", ".css")]
+    newest = max(p.stat().st_mtime for p in sources)
     folder.mkdir(parents=True, exist_ok=True)
     for name, made in PLAYERS.items():
         path = folder / f"{name}.html"
