@@ -23,7 +23,7 @@ help:
 	@echo "make lint       ruff, pyright, import-linter"
 	@echo "make pictures   make the pictures of README.md anew (experiments/pictures)"
 	@echo "make docs       build the documentation as a site (out/site); a warning is an error"
-	@echo "make reproduce  run every experiment at full size (MGJAX_CAPTURE names the capture)"
+	@echo "make reproduce  run every experiment at full size, write RESULTS.md (MGJAX_CAPTURE: capture)"
 	@echo "make dist       build the wheel and the source archive (dist)"
 	@echo "make clean      remove $(VENV), out and dist"
 	@echo "PYTHON=python3.12 chooses the Python"

@@ -1,1 +1,1 @@
-"""All experiments at full size."""
+"""All experiments at full size, and the documents that are written of their records."""

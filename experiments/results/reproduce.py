@@ -1,10 +1,10 @@
-"""Runs every experiment at full size and keeps their records.
+"""Runs every experiment at full size and writes RESULTS.md and the figures of README.md.
 
     python -m experiments.results.reproduce --capture FOLDER
 
-Each run leaves a small record in ``experiments/records``. An experiment whose record is of the same
-settings, inputs, programs and versions is not run again; one that was interrupted goes on. Without
-capture those that need it are left out.
+Each run leaves a small record in ``experiments/records``, from which alone the documents are
+written. An experiment whose record is of the same settings, inputs, programs and versions is not
+run again; one that was interrupted goes on. Without capture those that need it are left out.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from experiments.results.documents import write_documents
 from experiments.results.plan import PLAN, Planned
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -32,6 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add("--records", type=Path, default=RECORDS, help="folder of the records")
     add("--only", action="append", default=[], metavar="NAME", help="run those of this name only")
     add("--smoke", action="store_true", help="tiny versions of them, to see that they run")
+    add("--no-documents", action="store_true", help="leave RESULTS.md and README.md as they are")
     options = parser.parse_args(arguments)
     named = options.capture or os.environ.get("MGJAX_CAPTURE")
     capture = Path(named).expanduser().resolve() if named else None
@@ -46,6 +48,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"reproduce: got --only {options.only}, expected of {known}", file=sys.stderr)
         return 2
     failed = [p.record for p in wanted if not _run(p, capture, options)]
+    if not options.no_documents and not options.smoke:
+        write_documents(ROOT, options.records)
     if failed:
         print(f"failed: {', '.join(failed)}", file=sys.stderr)
     return 1 if failed else 0

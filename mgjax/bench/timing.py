@@ -25,7 +25,7 @@ def interleaved(
     Returns:
         ``median_s``, ``quartiles_s`` and ``first_call_s`` of ``work`` (the first call compiles or
         loads the program; ``compile_s`` is what it took beyond the median), and with ``bare`` also
-        ``bare_median_s`` and ``time_ratio``, the median of the ratios of neighbouring pairs.
+        ``bare_median_s``, ``ratios`` of neighbouring pairs, and ``time_ratio``, their median.
     """
     first = seconds_of(work)
     if bare is not None:
@@ -43,5 +43,6 @@ def interleaved(
     }
     if bare is not None:
         row["bare_median_s"] = float(np.median(others))
+        row["ratios"] = [float(ratio) for ratio in times / others]
         row["time_ratio"] = float(np.median(times / others))
     return row

@@ -1,12 +1,13 @@
-"""``mgjax runs list``, ``mgjax runs show`` and ``mgjax runs compare``."""
+"""``mgjax runs list``, ``show``, ``compare`` and ``sweep``."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from mgjax.cli.arguments import CompareRuns, ListRuns, Runs
+from mgjax.cli.arguments import CompareRuns, ListRuns, Runs, SweepRuns
 from mgjax.cli.report import emit
 from mgjax.core.errors import ConfigError, printable
 from mgjax.runs.kept import SETTLED, differences, find_records, leaves, named, ratio
@@ -15,8 +16,11 @@ BELOW = (Path("experiments/records"), Path("out"))
 
 
 def run(command: Runs) -> None:
-    """Lists, shows or compares."""
+    """Lists, shows, compares or sweeps."""
     asked = command.action
+    if isinstance(asked, SweepRuns):
+        swept(asked)
+        return
     below = asked.below or tuple(folder for folder in BELOW if folder.is_dir())
     for folder in below:
         if not folder.is_dir():
@@ -30,6 +34,33 @@ def run(command: Runs) -> None:
     else:
         record = named(asked.run, below)
         emit(record, shown(record), as_json=asked.json)
+
+
+def swept(command: SweepRuns) -> None:
+    """Makes the runs that the file lacks."""
+    from mgjax.core.parallel.executors import executor
+    from mgjax.core.xla.compilation import enable_cache
+    from mgjax.runs.settings import resolve
+    from mgjax.runs.sweep import combinations, found_experiment, read_setting, sweep
+
+    enable_cache()
+    if command.samples < 1:
+        raise ConfigError(got=f"--samples {command.samples}", expected="1 or more")
+    _, kind = found_experiment(command.experiment)
+    base = resolve(kind, command.config, smoke=command.smoke, settings=command.set)
+    settings = combinations(
+        [read_setting(text, "--grid") for text in command.grid],
+        [read_setting(text, "--draw", ends=True) for text in command.draw],
+        samples=command.samples,
+        seed=command.seed,
+    )
+    with executor(command.executor, command.workers) as made:
+        new, known = sweep(
+            command.experiment, base, settings, command.out,
+            executor=made, progress=sys.stderr.isatty(),
+        )  # fmt: skip
+    lines = [f"{new} runs made, {known} were there; in {command.out}"]
+    emit({"made": new, "there": known, "out": str(command.out)}, lines, as_json=command.json)
 
 
 def _row(path: Path, record: Mapping[str, Any]) -> dict[str, Any]:

@@ -164,7 +164,7 @@ def perform(
             print(f"{PARTIAL} is of another run ({what} differ): begun anew", file=sys.stderr)
         start, busy, load = time.perf_counter(), time.process_time(), load_average()
         with compile_times() as compiling:
-            results = _call(run, config, points)
+            results = measured(run, config, points)
         wall, cpu = time.perf_counter() - start, time.process_time() - busy
         record = {
             "smoke": smoke,
@@ -209,9 +209,10 @@ def identity_of(run: Callable[..., Results], config: Any) -> dict[str, Any]:
     }
 
 
-def _call(run: Callable[..., Results], config: Any, points: Points) -> Results:
+def measured(run: Callable[..., Results], config: Any, points: Points | None = None) -> Results:
+    """What an experiment returns; without points those of a sweep are kept nowhere."""
     wanted = len(inspect.signature(run).parameters)
-    results = run(config, points) if wanted > 1 else run(config)
+    results = run(config, points or Points()) if wanted > 1 else run(config)
     if not isinstance(results, Results):
         raise TypeError(f"{run.__name__} returned {type(results).__name__}, expected Results")
     return results

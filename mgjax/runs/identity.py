@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
-import sys
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import lru_cache
@@ -38,23 +38,41 @@ def inputs_of(config: Any) -> dict[str, str]:
 
 
 def sources_of(run: Callable[..., Any]) -> str:
-    """The hash of the programs: all of mgjax, and what is loaded of the folder around a script.
+    """The hash of the programs: all of mgjax, and a script with what it imports around it.
 
     Args:
-        run: a function of the script, which lies two folders below that of its package.
+        run: a function of the script; around it lie the folder that holds the script's folder, and
+            all below.
     """
-    package = Path(mgjax.__file__).parent
-    around = Path(inspect.getfile(run)).resolve().parent.parent
-    loaded = {
-        Path(file).resolve()
-        for file in (getattr(module, "__file__", None) for module in list(sys.modules.values()))
-        if file
-    }
-    loaded.add(Path(inspect.getfile(run)).resolve())
-    beside = {file for file in loaded if file.is_relative_to(around) and file.suffix == ".py"}
-    beside = {file for file in beside if not file.is_relative_to(package)}
-    texts = {str(file.relative_to(around)): file.read_bytes() for file in beside}
-    return content_key(_package_key(package), texts)
+    script = Path(inspect.getfile(run)).resolve()
+    around = script.parent.parent
+    texts: dict[str, bytes] = {}
+    waiting = [script]
+    while waiting:
+        file = waiting.pop()
+        name = str(file.relative_to(around))
+        if name not in texts:
+            texts[name] = file.read_bytes()
+            waiting += [f for f in _imported(texts[name], around.parent) if _within(f, around)]
+    return content_key(_package_key(Path(mgjax.__file__).parent), texts)
+
+
+def _imported(text: bytes, root: Path) -> set[Path]:
+    """Files below a folder that are imported by their whole names."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            names |= {each.name for each in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            names |= {node.module, *(f"{node.module}.{each.name}" for each in node.names)}
+    places = [root / name.replace(".", "/") for name in names]
+    files = [f for p in places for f in (p.with_suffix(".py"), p / "__init__.py")]
+    return {file.resolve() for file in files if file.is_file()}
+
+
+def _within(file: Path, around: Path) -> bool:
+    """Around a script, and not of mgjax, which is hashed whole."""
+    return file.is_relative_to(around) and not file.is_relative_to(Path(mgjax.__file__).parent)
 
 
 def fingerprint(label: str, settings: Any, known: Any) -> str:

@@ -16,15 +16,26 @@ from mgjax.runs.record import flat
 METRICS = "metrics.json"
 LEFT_OUT = ("files", "points")
 """What a folder of results has beside the record."""
+MOST = 40
+"""Longer lists of figures are left to the folder of results."""
 SETTLED = ("experiment", "config", "inputs", "sources", "versions", "git_revision", "machine")
 """What says how a run was made, beside ``metrics`` and ``timings``, which say what it found."""
 
 
 def keep_record(path: str | Path, record: Mapping[str, Any]) -> None:
-    """Writes a record as a file of its own, without what only its folder has."""
+    """Writes a record as a file of its own, without what only its folder has, and long lists."""
     kept = {key: value for key, value in record.items() if key not in LEFT_OUT}
+    for part in ("metrics", "timings"):
+        kept[part] = _short(kept[part])
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     replace_file(path, json.dumps(kept, indent=1, allow_nan=False) + "\n")
+
+
+def _short(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        long = [key for key, item in value.items() if isinstance(item, list) and len(item) > MOST]
+        return {key: _short(item) for key, item in value.items() if key not in long}
+    return [_short(item) for item in value] if isinstance(value, list) else value
 
 
 def kept_record(path: str | Path) -> dict[str, Any] | None:

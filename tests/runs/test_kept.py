@@ -12,6 +12,7 @@ from mgjax.core.errors import FileFormatError
 from mgjax.runs.experiment import execute, identity_of
 from mgjax.runs.identity import inputs_of, settings_of, sources_of
 from mgjax.runs.kept import differences, find_records, load_record, named, ratio
+from tests.runs import swept
 from tests.runs.toys import Config, Reading, simple, toy
 
 
@@ -62,6 +63,7 @@ def test_what_is_hashed(tmp_path: Path) -> None:
     assert inputs_of(config) != first
     assert inputs_of(Reading()) == {}
     assert sources_of(simple) == sources_of(toy)
+    assert sources_of(simple) != sources_of(swept.run)
     assert len({identity_of(simple, Config(seed=s))["fingerprint"] for s in (0, 1, 1)}) == 2
 
 

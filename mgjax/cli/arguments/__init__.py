@@ -15,6 +15,7 @@ from mgjax.cli.arguments.runs import CompareRuns as CompareRuns
 from mgjax.cli.arguments.runs import ListRuns as ListRuns
 from mgjax.cli.arguments.runs import Runs as Runs
 from mgjax.cli.arguments.runs import ShowRun as ShowRun
+from mgjax.cli.arguments.runs import SweepRuns as SweepRuns
 from mgjax.cli.arguments.sensor import Listen as Listen
 from mgjax.cli.arguments.sensor import Replay as Replay
 from mgjax.cli.arguments.sensor import Send as Send

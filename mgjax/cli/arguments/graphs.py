@@ -83,11 +83,19 @@ class Coverage(Output):
 class Bench(Output):
     """Measure speed; rows have medians, quartiles and ratios to a bare kernel of the same run."""
 
-    what: tyro.conf.Positional[Literal["distance", "build", "selection"]]
-    """What to measure."""
+    what: tyro.conf.Positional[Literal["all", "compare", "distance", "build", "selection"]]
+    """What to measure; compare reads what two runs of all have written."""
+    files: tyro.conf.Positional[tuple[Path, ...]] = ()
+    """For compare: two files bench.json, or the folders they are in."""
     graph: Path | None = None
-    """Folder of a graph, for selection."""
+    """Folder of a graph, for selection, and for the searches of all."""
     balls: int = 200
     """How many are thrown, for selection."""
+    only: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """For all: cases whose name or quantity has this word; may be given more than once."""
+    repeats: int = 9
+    """For all: timed calls of each size, in turns with the bare kernel."""
+    sizes: int | None = None
+    """For all: how many sizes of each case, the smallest first; default: all."""
     out: Path | None = None
     """Folder for bench.json."""

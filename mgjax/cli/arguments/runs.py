@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -44,12 +44,42 @@ class CompareRuns(Recorded):
 
 
 @dataclass(frozen=True, kw_only=True)
+class SweepRuns(Output):
+    """Run an experiment over a grid of settings, random ones, or both; one JSON line a run. The
+    same command goes on where it was stopped."""
+
+    experiment: tyro.conf.Positional[str]
+    """Its module, such as experiments.avoidance.success."""
+    out: Path
+    """File of JSON lines."""
+    grid: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """KEY=[VALUE, …]: all combinations with those of the others; may be given more than once."""
+    draw: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """KEY=[LOW, HIGH]: uniform numbers between them; may be given more than once."""
+    samples: int = 1
+    """How often numbers are drawn, for each combination of the grid."""
+    seed: int = 0
+    """Draws them."""
+    config: Path | None = None
+    """TOML file of settings."""
+    set: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """KEY=VALUE of all runs; may be given more than once."""
+    smoke: bool = False
+    """A tiny version of each."""
+    executor: Literal["serial", "threads", "processes", "ray"] = "serial"
+    """Where runs are made."""
+    workers: int | None = None
+    """How many; default: one a processor."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Runs:
-    """List, show and compare recorded runs of experiments."""
+    """List, show and compare recorded runs of experiments; run many over settings."""
 
     action: Annotated[
         Annotated[ListRuns, tyro.conf.subcommand("list")]
         | Annotated[ShowRun, tyro.conf.subcommand("show")]
-        | Annotated[CompareRuns, tyro.conf.subcommand("compare")],
+        | Annotated[CompareRuns, tyro.conf.subcommand("compare")]
+        | Annotated[SweepRuns, tyro.conf.subcommand("sweep")],
         tyro.conf.arg(name=""),
     ]
