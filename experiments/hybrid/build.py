@@ -10,6 +10,7 @@ slides of planted feet: 0.0132–0.0147 m per transition frame, and 0.021 is not
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -86,14 +87,17 @@ def run(config: Config) -> Results:
     some = clips_of(config.clips, config.names)
     settings = graph_config(config.clips, config.neighbourhood)
     built = [_timed(some, settings) for _ in range(config.repeats + 1)]
-    graph, seconds = built[-1][0], [s for _, s in built]
-    steps = [g.report["seconds"] for g, _ in built]
+    graph, seconds, busy = built[-1][0], [s for _, s, _ in built], [b for _, _, b in built]
+    steps = [g.report["seconds"] for g, _, _ in built]
+    cold = cold_process(config) if config.cold and config.clips else (None, None)
     timings: dict[str, Any] = {
         "first_s": seconds[0],
         "warm_s_median": float(np.median(seconds[1:])),
         "warm_s_min": min(seconds[1:]),
+        "warm_cpu_s_median": float(np.median(busy[1:])),
         "steps_s_median": {k: float(np.median([s[k] for s in steps[1:]])) for k in steps[0]},
-        "cold_process_s": cold_process(config) if config.cold and config.clips else None,
+        "cold_process_s": cold[0],
+        "cold_process_cpu_s": cold[1],
     }
     every = build_graph(clips_of(config.clips), config=settings)
     sketch = sketches(config.scale)[config.path]
@@ -129,25 +133,27 @@ def run(config: Config) -> Results:
     )
 
 
-def _timed(clips: list[Clip], settings: GraphConfig) -> tuple[MotionGraph, float]:
-    begin = time.perf_counter()
+def _timed(clips: list[Clip], settings: GraphConfig) -> tuple[MotionGraph, float, float]:
+    """A graph, and seconds of wall and of processor time."""
+    begin, busy = time.perf_counter(), time.process_time()
     graph = build_graph(clips, config=settings)
-    return graph, time.perf_counter() - begin
+    return graph, time.perf_counter() - begin, time.process_time() - busy
 
 
-def cold_process(config: Config) -> float:
-    """Seconds of ``mgjax build`` in a new process that finds no compiled program."""
+def cold_process(config: Config) -> tuple[float, float]:
+    """Wall and processor seconds of ``mgjax build`` in a new process without compiled programs."""
     files = sorted(Path(config.clips).glob("*.amc")) + sorted(Path(config.clips).glob("*.bvh"))
     others = [f.name for f in files if config.names and f.stem not in config.names]
     with tempfile.TemporaryDirectory() as folder:
         words = [sys.executable, "-m", "mgjax", "build", "--clips", config.clips, "--out", folder]
         for name in others:
             words += ["--exclude", name]
-        begin = time.perf_counter()
+        begin, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run(
             words, check=True, capture_output=True, env=os.environ | {"MGJAX_CACHE": folder}
         )
-        return time.perf_counter() - begin
+        wall, after = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def quality(graph: MotionGraph, config: Config) -> dict[str, Any]:
