@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
@@ -81,7 +82,7 @@ def measured(records: Mapping[str, Any]) -> str:
     when = days[0] if len(days) == 1 else f"{days[0]} to {days[-1]}"
     loads = [load for record in records.values() for load in record["load_average"] if load]
     busy = f", load average {min(loads):.0f} to {max(loads):.0f}" if loads else ""
-    return f"{when}, {machine}, {version}{busy}"
+    return textwrap.fill(f"{when}, {machine}, {version}{busy}", 110)
 
 
 def missing(records: Mapping[str, Any]) -> str:
@@ -102,7 +103,8 @@ def provenance(records: Mapping[str, Any]) -> str:
         revision = (record["git_revision"] or "none")[:10]
         revision += " and changes" if record["git_dirty"] else ""
         read = ", ".join(f"{record['config'][k]} `{v[:8]}`" for k, v in record["inputs"].items())
-        seed = "" if record["seed"] is None else record["seed"]
+        seeds = record["config"].get("seeds", record["seed"])
+        seed = "" if seeds is None else str(seeds).strip("[]")
         seconds = record["seconds"]
         lines.append(
             f"| `{record['experiment']}` | {_settings(record)} | {read} | {seed}"
