@@ -32,7 +32,7 @@ from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.avoidance.refinement.refine import compile_refining
 from mgjax.core.motion import Motion
 from mgjax.graph.feet.course import FeetState
-from mgjax.graph.feet.played import FEW_FRAMES, FRAMES, legs_of, play, with_feet
+from mgjax.graph.feet.played import FRAMES, legs_of, play, with_feet
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk
 
@@ -111,9 +111,8 @@ def _feet_programs(graph: MotionGraph, frames: int) -> list[Callable[[], object]
     """A call for each size of motions, and of a few poses, whose feet are kept."""
     if legs_of(graph) is None:
         return []
-    whole = [partial(_keep_feet, graph, size) for size in _sizes(FRAMES, 2, frames)]
-    few = [partial(_put_feet, graph, size) for size in _sizes(FEW_FRAMES, FEW_FRAMES, frames)]
-    return [*whole, *few]
+    sizes = _sizes(FRAMES, 8, frames)
+    return [partial(feet, graph, size) for feet in (_keep_feet, _put_feet) for size in sizes]
 
 
 def _keep_feet(graph: MotionGraph, count: int) -> tuple[Motion, FeetState]:

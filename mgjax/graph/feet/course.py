@@ -107,6 +107,7 @@ def course(
     *,
     rate: Array | float,
     scale: Array | float,
+    before: Float[Array, "2 2 2"] | None = None,
 ) -> FeetState:
     """The state at every frame of a motion. All fields of the result have an axis [T] before.
 
@@ -118,23 +119,25 @@ def course(
         begin: the state at the first frame.
         rate: frames per second.
         scale: of the body.
+        before: how fast the points moved over the floor until the first frame, m/s; None: as fast
+            as they then go on.
     """
     dt = 1.0 / jnp.asarray(rate, points.dtype)
     size = jnp.asarray(scale, points.dtype)
     flat = points[..., ::2]
     speed = (flat[1:] - flat[:-1]) / dt
-    before = jnp.concatenate([speed[:1], speed[:-1]])
+    earlier = jnp.concatenate([speed[:1] if before is None else before[None], speed[:-1]])
     # A foot is lifted at once: as fast as it would go down.
     down = jnp.max((points[:-1, ..., 1] - points[1:, ..., 1]) / dt, axis=-1)
     sunk = jnp.maximum(-jnp.min(points[1:, ..., 1], axis=-1), 0.0)
-    rows = (speed, before, down, sunk, points[1:, :, 1], hips[1:], reach[1:], stands[1:])
+    rows = (speed, earlier, down, sunk, points[1:, :, 1], hips[1:], reach[1:], stands[1:])
 
     def step(state: FeetState, row: tuple[Array, ...]) -> tuple[FeetState, FeetState]:
         new = _step(state, row, dt, size)
         return new, new
 
     begin = jax.tree.map(lambda x: jnp.asarray(x, points.dtype), begin)
-    _, later = jax.lax.scan(step, begin, rows, unroll=4)
+    _, later = jax.lax.scan(step, begin, rows)
     return jax.tree.map(lambda a, b: jnp.concatenate([a[None], b]), begin, later)
 
 

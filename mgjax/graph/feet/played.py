@@ -6,8 +6,10 @@ from dataclasses import replace
 from functools import partial
 
 import jax
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float
+from jax import lax
+from jaxtyping import Bool, Float, Int
 
 from mgjax.core.arrays import Array
 from mgjax.core.errors import SkeletonError
@@ -15,7 +17,7 @@ from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
 from mgjax.core.shown import like
 from mgjax.core.skeleton import Skeleton
-from mgjax.core.xla.padding import bucket_size, pad_axis
+from mgjax.core.xla.padding import bucket_size
 from mgjax.graph.cache import cached
 from mgjax.graph.feet.contacts import standing_points
 from mgjax.graph.feet.course import FeetState, at_rest, course
@@ -24,10 +26,16 @@ from mgjax.graph.feet.posed import leg_lengths, posed, reach_of
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, WalkFrames, frames_at, sample_walk
 
-FRAMES = 64
-"""Frames that a call is compiled for, and twice as many, …"""
-FEW_FRAMES = 8
-"""Frames that single poses are compiled for, and eight times as many, …"""
+FRAMES = 384
+"""Frames that a call is compiled for, and eight times as many, …; only lots that are needed are
+computed."""
+LOT = 32
+"""Frames of a motion that are computed at once."""
+FEW_LOT = 8
+"""Single poses that are computed at once."""
+
+_Carry = tuple[Array, Array, FeetState, FeetState, Array]
+"""Root, rotations and states so far, the state to go on from, and how fast points move there."""
 
 
 def legs_of(graph: MotionGraph) -> FootChains | None:
@@ -132,18 +140,28 @@ def with_feet(graph: MotionGraph, motion: Motion, states: FeetState) -> Motion:
     if chains is None:
         return motion
     count = motion.num_frames
-    size = bucket_size(count, FEW_FRAMES, FEW_FRAMES)
+    size = bucket_size(count, FRAMES, 8)
     origin = np.asarray(motion.root_translation[0], np.float64) * np.array([1.0, 0.0, 1.0])
     root = (np.asarray(motion.root_translation, np.float64) - origin).astype(np.float32)
     new_root, rotations = _put(
         graph.skeleton,
-        pad_axis(root, size),
-        pad_axis(np.asarray(motion.local_rotations, np.float32), size),
-        jax.tree.map(lambda x: pad_axis(x, size), states),
+        _padded(root, size),
+        _padded(np.asarray(motion.local_rotations, np.float32), size),
+        jax.tree.map(lambda x: _padded(x, size), states),
         np.float32(graph.body_scale),
+        np.int32(count),
         chains=chains,
     )
     return _moved(motion, new_root, rotations, origin)
+
+
+def _padded(array: np.ndarray, size: int) -> np.ndarray:
+    """Frames up to ``size``: the last one again to the end of its lot, then nothing."""
+    count = len(array)
+    padded = np.zeros((size, *array.shape[1:]), array.dtype)
+    padded[:count] = array
+    padded[count : -(-count // LOT) * LOT] = array[-1]
+    return padded
 
 
 def _moved(motion: Motion, root: Array, rotations: Array, origin: Float[np.ndarray, "3"]) -> Motion:
@@ -184,19 +202,20 @@ def keep_feet(
         The motion, and the state in each of its frames.
     """
     count = motion.num_frames
-    size = bucket_size(count, FRAMES)
+    size = bucket_size(count, FRAMES, 8)
     # Single precision is for a body near the origin.
     origin = np.asarray(motion.root_translation[0], np.float64) * np.array([1.0, 0.0, 1.0])
     root = (np.asarray(motion.root_translation, np.float64) - origin).astype(np.float32)
     rotations = np.asarray(motion.local_rotations, np.float32)
     new_root, new_rotations, state = _kept(
         skeleton,
-        pad_axis(root, size),
-        pad_axis(rotations, size),
-        pad_axis(stands, size),
+        _padded(root, size),
+        _padded(rotations, size),
+        _padded(stands, size),
         begin or at_rest(),
         np.float32(motion.frame_rate),
         np.float32(scale),
+        np.int32(count),
         chains=chains,
     )
     moved = _moved(motion, new_root, new_rotations, origin)
@@ -212,16 +231,40 @@ def _kept(
     begin: FeetState,
     rate: Float[jax.Array, ""],
     scale: Float[jax.Array, ""],
+    count: Int[jax.Array, ""],
     *,
     chains: FootChains,
 ) -> tuple[Array, Array, FeetState]:
-    positions, turns = forward(skeleton, root, rotations)
-    points = positions[:, np.array([chains.balls, chains.ankles]).T]
-    hips, ankles = positions[:, np.array(chains.hips)], positions[:, np.array(chains.ankles)]
-    reach = reach_of(hips, ankles, leg_lengths(positions, chains))
-    state = course(points, hips, reach, stands, begin, rate=rate, scale=scale)
-    new = posed(skeleton, chains, root, rotations, positions, turns, state, scale=scale)
-    return *new, state
+    """A lot at a time, each with the first frame of the next one."""
+    size = len(root)
+    begin = jax.tree.map(jnp.asarray, begin)
+    poses = jax.tree.map(lambda x: jnp.concatenate([x, x[-1:]]), (root, rotations, stands))
+
+    def lot(number: Array, carry: _Carry) -> _Carry:
+        new_root, new_rotations, states, state, before = carry
+        at = number * LOT
+        taken = jax.tree.map(lambda x: lax.dynamic_slice_in_dim(x, at, LOT + 1), poses)
+        positions, turns = forward(skeleton, taken[0], taken[1])
+        points = positions[:, np.array([chains.balls, chains.ankles]).T]
+        hips, ankles = positions[:, np.array(chains.hips)], positions[:, np.array(chains.ankles)]
+        reach = reach_of(hips, ankles, leg_lengths(positions, chains))
+        speed = (points[1:, ..., ::2] - points[:-1, ..., ::2]) * rate
+        found = course(
+            points, hips, reach, taken[2], state, rate=rate, scale=scale,
+            before=jnp.where(number == 0, speed[0], before),
+        )  # fmt: skip
+        here = jax.tree.map(lambda x: x[:LOT], (taken[0], taken[1], positions, turns, found))
+        put = posed(skeleton, chains, *here, scale=scale)
+        written = jax.tree.map(
+            lambda whole, part: lax.dynamic_update_slice_in_dim(whole, part, at, 0),
+            (new_root, new_rotations, states),
+            (*put, here[-1]),
+        )
+        return *written, jax.tree.map(lambda x: x[-1], found), speed[-1]
+
+    empty = jax.tree.map(lambda x: jnp.zeros((size, *x.shape), x.dtype), begin)
+    carry = (root, rotations, empty, begin, jnp.zeros((2, 2, 2), root.dtype))
+    return lax.fori_loop(0, (count + LOT - 1) // LOT, lot, carry)[:3]
 
 
 @partial(jax.jit, static_argnames="chains")
@@ -231,8 +274,19 @@ def _put(
     rotations: Float[jax.Array, "T J 4"],
     states: FeetState,
     scale: Float[jax.Array, ""],
+    count: Int[jax.Array, ""],
     *,
     chains: FootChains,
 ) -> tuple[Array, Array]:
-    positions, turns = forward(skeleton, root, rotations)
-    return posed(skeleton, chains, root, rotations, positions, turns, states, scale=scale)
+    def lot(number: Array, carry: tuple[Array, Array]) -> tuple[Array, Array]:
+        at = number * FEW_LOT
+        here, local, state = jax.tree.map(
+            lambda x: lax.dynamic_slice_in_dim(x, at, FEW_LOT), (root, rotations, states)
+        )
+        positions, turns = forward(skeleton, here, local)
+        put = posed(skeleton, chains, here, local, positions, turns, state, scale=scale)
+        return jax.tree.map(
+            lambda whole, part: lax.dynamic_update_slice_in_dim(whole, part, at, 0), carry, put
+        )
+
+    return lax.fori_loop(0, (count + FEW_LOT - 1) // FEW_LOT, lot, (root, rotations))
