@@ -41,12 +41,17 @@ class _Grown:
         came_from: of each walk that was extended, the walk of the level before; then of each that
             goes on, the one that was extended. [levels][W]
         via: the edge it was extended by; none where it only goes on. [levels][W]
-        found: level, row in it, part and t_avoid of the candidates of each round. [rounds][4][C]
+        found: level, row in it, part, t_avoid and origin, the node that it begins at among several,
+            of the candidates of each round. [rounds][5][C]
     """
 
     came_from: list[Int[np.ndarray, " W"]] = field(default_factory=list)
     via: list[Int[np.ndarray, " W"]] = field(default_factory=list)
-    found: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=list)
+    found: list[tuple[np.ndarray, ...]] = field(default_factory=list)
+
+    def all_found(self) -> tuple[np.ndarray, ...]:
+        """The columns of ``found``, of all rounds."""
+        return tuple(np.concatenate(column) for column in zip(*self.found, strict=True))
 
     def edges_to(
         self, level: Int[np.ndarray, " C"], row: Int[np.ndarray, " C"]
@@ -86,38 +91,10 @@ def enumerate_candidates(
         capacity: most candidates; those nearest in time to the attack are kept.
     """
     low, high = t_attack - window / 2, t_attack + window / 2
-    nodes, times = np.array([node]), np.zeros(1)
-    grown = _Grown()
-    overflow = 0
-    while len(nodes):
-        row, position = expand_rows(graph.out_first, nodes)
-        edge = graph.out_edges[position]
-        begin = times[row]
-        hit, position = expand_rows(tables.part_first, edge)
-        part = tables.part_ids[position]
-        t_avoid = begin[hit] + tables.part_centre[part]
-        fits = (t_avoid > low) & (t_avoid < high)
-        grown.came_from.append(row.astype(np.int32))
-        grown.via.append(edge.astype(np.int32))
-        if fits.any():
-            level = np.full(np.count_nonzero(fits), len(grown.via) - 1)
-            grown.found.append((level, hit[fits], part[fits], t_avoid[fits]))
-        end = begin + tables.seconds[edge]
-        target = graph.edge_target[edge]
-        go_on = np.flatnonzero(end + tables.nearest_part[target] < high)
-        if len(go_on) > MAX_WALKS:
-            overflow += len(go_on) - MAX_WALKS
-            go_on = go_on[np.arange(MAX_WALKS) * len(go_on) // MAX_WALKS]  # from all beginnings
-        nodes, times = target[go_on], end[go_on]
-        # Rows of the next round count within the walks that go on.
-        grown.came_from.append(go_on.astype(np.int32))
-        grown.via.append(np.zeros(0, dtype=np.int64))
+    grown, overflow = _grow(graph, tables, np.array([node]), np.array([low]), np.array([high]))
     if not grown.found:
-        empty = np.zeros(0, dtype=np.int64)
-        return Candidates(
-            edges=np.full((0, 1), NO_EDGE), length=empty, part=empty, overflow=overflow
-        )
-    level, row, part, t_all = (np.concatenate(column) for column in zip(*grown.found, strict=True))
+        return _none(overflow)
+    level, row, part, t_all, _ = grown.all_found()
     order = np.argsort(np.abs(t_all - t_attack), kind="stable")
     overflow += max(len(order) - capacity, 0)
     chosen = np.sort(order[:capacity])
@@ -125,6 +102,103 @@ def enumerate_candidates(
     return Candidates(
         edges=edges, length=level[chosen] // 2 + 1, part=part[chosen], overflow=overflow
     )
+
+
+def enumerate_nodes(
+    graph: MotionGraph,
+    tables: EdgeTables,
+    nodes: Int[np.ndarray, " N"],
+    low: Float[np.ndarray, " N"],
+    high: Float[np.ndarray, " N"],
+) -> list[Candidates]:
+    """What :func:`enumerate_candidates` finds at each of several nodes, without a capacity.
+
+    The walks of all nodes grow together, which takes a fraction of the time that they take one by
+    one: most of that is spent on calls, not on walks.
+
+    Args:
+        graph, tables: the graph and its tables.
+        nodes: where the walks begin.
+        low, high: between which t_avoid lies, s.
+    """
+    many = len(nodes) > 1
+    grown, overflow = _grow(graph, tables, nodes, low, high, give_up=many)
+    if many and overflow:
+        half = len(nodes) // 2
+        halves = slice(None, half), slice(half, None)
+        return [
+            own
+            for rows in halves
+            for own in enumerate_nodes(graph, tables, nodes[rows], low[rows], high[rows])
+        ]
+    if not grown.found:
+        return [_none(overflow)] * len(nodes)
+    level, row, part, _, origin = grown.all_found()
+    chosen = np.argsort(origin, kind="stable")
+    level, part = level[chosen], part[chosen]
+    edges, length = grown.edges_to(level, row[chosen]), level // 2 + 1
+    first = np.searchsorted(origin[chosen], np.arange(len(nodes) + 1))
+    found = []
+    for begin, end in zip(first[:-1].tolist(), first[1:].tolist(), strict=True):
+        own = length[begin:end]
+        longest = int(own.max(initial=1))
+        found.append(
+            Candidates(
+                edges=edges[begin:end, :longest],
+                length=own,
+                part=part[begin:end],
+                overflow=overflow,
+            )
+        )
+    return found
+
+
+def _grow(
+    graph: MotionGraph,
+    tables: EdgeTables,
+    origins: Int[np.ndarray, " N"],
+    low: Float[np.ndarray, " N"],
+    high: Float[np.ndarray, " N"],
+    *,
+    give_up: bool = False,
+) -> tuple[_Grown, int]:
+    """All walks from some nodes, and how many unfinished ones were left out for lack of room.
+
+    With ``give_up`` nothing is left out: the search ends where there is no room.
+    """
+    nodes, times, origin = origins, np.zeros(len(origins)), np.arange(len(origins))
+    grown, overflow = _Grown(), 0
+    while len(nodes):
+        row, position = expand_rows(graph.out_first, nodes)
+        edge = graph.out_edges[position]
+        begin, begun = times[row], origin[row]
+        hit, position = expand_rows(tables.part_first, edge)
+        part = tables.part_ids[position]
+        t_avoid, owner = begin[hit] + tables.part_centre[part], begun[hit]
+        fits = (t_avoid > low[owner]) & (t_avoid < high[owner])
+        grown.came_from.append(row.astype(np.int32))
+        grown.via.append(edge.astype(np.int32))
+        if fits.any():
+            level = np.full(np.count_nonzero(fits), len(grown.via) - 1)
+            grown.found.append((level, hit[fits], part[fits], t_avoid[fits], owner[fits]))
+        end = begin + tables.seconds[edge]
+        target = graph.edge_target[edge]
+        go_on = np.flatnonzero(end + tables.nearest_part[target] < high[begun])
+        if len(go_on) > MAX_WALKS:
+            overflow += len(go_on) - MAX_WALKS
+            if give_up:
+                break
+            go_on = go_on[np.arange(MAX_WALKS) * len(go_on) // MAX_WALKS]  # from all beginnings
+        nodes, times, origin = target[go_on], end[go_on], begun[go_on]
+        # Rows of the next round count within the walks that go on.
+        grown.came_from.append(go_on.astype(np.int32))
+        grown.via.append(np.zeros(0, dtype=np.int64))
+    return grown, overflow
+
+
+def _none(overflow: int) -> Candidates:
+    empty = np.zeros(0, dtype=np.int64)
+    return Candidates(edges=np.full((0, 1), NO_EDGE), length=empty, part=empty, overflow=overflow)
 
 
 def natural_times(tables: EdgeTables, candidates: Candidates) -> Float[np.ndarray, " C"]:

@@ -96,11 +96,11 @@ def _avoids(decision: Decision) -> bool:
 
 def _decided(query: Query) -> Decision:
     """The best of the candidates within T_window, looked up or enumerated."""
-    paths = _paths_in_time(query)
+    paths = paths_in_time(query)
     return best_of(query, query.in_time) if paths is None else _looked_up(query, paths)
 
 
-def _paths_in_time(query: Query) -> FoundPaths | None:
+def paths_in_time(query: Query) -> FoundPaths | None:
     """The paths of the index that satisfy eq. 1; None without one, if it cannot say, or if they
     are too many."""
     index, config = query.prepared.index, query.config

@@ -26,6 +26,7 @@ from mgjax.avoidance.choice.search import (
 from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig, for_body, validate_config
 from mgjax.avoidance.energy.score import ROWS
+from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.many.groups import MOST, TOGETHER, Asked, all_asked, firsts_of, groups
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M
@@ -69,12 +70,14 @@ def select_batch(
     attacks: Sequence[Attack],
     *,
     config: AvoidanceConfig | None = None,
+    index: CandidateIndex | None = None,
 ) -> BatchSelection:
     """The choices of :func:`mgjax.avoidance.choice.choosing.choose` for many attacks, without their
     walks.
 
     Attacks that are padded to the same shapes are answered in one compiled call. Candidates are
-    enumerated once per node, for the widest window that any of its attacks needs.
+    enumerated once per node, for the widest window that any of its attacks needs, and for some
+    nodes at once.
 
     Args:
         graph: a motion graph with labelled avoidance parts, or what
@@ -82,6 +85,9 @@ def select_batch(
         nodes: where the character stands, one for each attack.
         attacks: each in the planar frame of its node.
         config: settings.
+        index: of the graph, in which candidates are looked up as :func:`mgjax.avoidance.select`
+            does; what it holds nothing clear for is chosen one by one. Default: that of what was
+            prepared, if any.
 
     Raises:
         AttackError: an attack is not finite, or begins inside the body.
@@ -94,7 +100,7 @@ def select_batch(
     places = np.asarray(nodes, dtype=np.int64)
     if places.shape != (len(attacks),):
         raise ConfigError(f"got {places.size} nodes for {len(attacks)} attacks, expected one each")
-    prepared = prepared_for(graph, config)
+    prepared = prepared_for(graph, config, index)
     queries = [
         ask(prepared, node, attack, config)
         for node, attack in zip(places.tolist(), attacks, strict=True)
@@ -110,7 +116,7 @@ def select_batch(
         doubtful += _decide_by_bounds(group, result, answers, config)
     for asked, result in doubtful:  # last, since each waits for what is under way
         _look_closer(asked, result, answers)
-    if config.refine != "off":
+    if config.refine != "off" or prepared.index is not None:
         _choose_rest(prepared, places, attacks, answers, config)
     elif can_widen(config):
         _try_wide(prepared, places, attacks, answers, config)
@@ -124,7 +130,8 @@ def _choose_rest(
     answers: dict[str, np.ndarray],
     config: AvoidanceConfig,
 ) -> None:
-    """Answers what is not avoided one by one: near misses are refined, then the window widened."""
+    """Answers what is not avoided one by one: by what the index left out, near misses that are
+    refined, and then a wider window."""
     open_ = (answers["status"] != Status.AVOIDED.code) & np.isfinite(answers["t_attack"])
     for number in np.flatnonzero(open_).tolist():
         choice = choose(prepared, int(places[number]), attacks[number], config=config)

@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.batch import AttackBatch
-from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates, natural_times
+from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_nodes, natural_times
+from mgjax.avoidance.choice.choosing import paths_in_time
 from mgjax.avoidance.choice.search import attack_batch_for
 from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.config import AvoidanceConfig
@@ -23,7 +24,8 @@ MOST = 64
 """Attacks of one call."""
 
 
-_LIMIT = 1_000_000
+NODES = 32
+"""Nodes whose walks grow together. The device waits for the first of them."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,31 +44,60 @@ def all_asked(
     answers: dict[str, np.ndarray],
     config: AvoidanceConfig,
 ) -> Iterator[Asked]:
-    """The attacks that have candidates; those of one node are enumerated together."""
-    graph, tables = prepared.graph, prepared.tables
+    """The attacks that have candidates: those that the index finds touched, or else all in time.
+
+    Those of one node are enumerated together, and ``NODES`` nodes at once.
+    """
     of_node: dict[int, list[tuple[int, Query]]] = {}
     for i, query in enumerate(queries):
-        if query is not None:
+        if query is None:
+            continue
+        answers["t_attack"][i] = query.crop.middle
+        found = looked_up(query)
+        if found is None:
             of_node.setdefault(query.node, []).append((i, query))
-            answers["t_attack"][i] = query.crop.middle
-    for node in sorted(of_node):
-        middles = [query.crop.middle for _, query in of_node[node]]
-        low, high = min(middles), max(middles)
-        wide = enumerate_candidates(
-            graph,
-            tables,
-            node,
-            0.5 * (low + high),
-            window=config.T_window + high - low,
-            capacity=_LIMIT,
-        )
-        times = natural_times(tables, wide)
-        for i, query in of_node[node]:
-            subset = _within(wide, times, query.crop.middle, config)
-            answers["candidates"][i] = len(subset.length) + subset.overflow
-            if len(subset.length):
-                batch = attack_batch_for(query, subset)
-                yield Asked(number=i, query=query, candidates=subset, attack_batch=batch)
+        else:
+            yield from _asked(i, query, found, answers)
+    nodes = sorted(of_node)
+    for begin in range(0, len(nodes), NODES):
+        some = nodes[begin : begin + NODES]
+        for node, wide, times in zip(some, *_in_time(prepared, of_node, some, config), strict=True):
+            for i, query in of_node[node]:
+                subset = _within(wide, times, query.crop.middle, config)
+                yield from _asked(i, query, subset, answers)
+
+
+def looked_up(query: Query) -> Candidates | None:
+    """What the index of a query finds touched; None without one, or where it cannot say."""
+    index = query.prepared.index
+    paths = paths_in_time(query)
+    if index is None or paths is None:
+        return None
+    touched = index.touched(paths, query.attack, query.crop)
+    return index.walks(paths if touched is None else paths[touched])
+
+
+def _asked(
+    number: int, query: Query, candidates: Candidates, answers: dict[str, np.ndarray]
+) -> Iterator[Asked]:
+    answers["candidates"][number] = len(candidates.length) + candidates.overflow
+    if len(candidates.length):
+        batch = attack_batch_for(query, candidates)
+        yield Asked(number=number, query=query, candidates=candidates, attack_batch=batch)
+
+
+def _in_time(
+    prepared: Prepared,
+    of_node: dict[int, list[tuple[int, Query]]],
+    nodes: list[int],
+    config: AvoidanceConfig,
+) -> tuple[list[Candidates], list[Float[np.ndarray, " C"]]]:
+    """Of each node the candidates of all its attacks, and when they avoid at natural speed."""
+    middles = [[query.crop.middle for _, query in of_node[node]] for node in nodes]
+    low = np.array([min(own) for own in middles]) - config.T_window / 2
+    high = np.array([max(own) for own in middles]) + config.T_window / 2
+    found = enumerate_nodes(prepared.graph, prepared.tables, np.array(nodes), low, high)
+    return found, [natural_times(prepared.tables, own) for own in found]
 
 
 def groups(all_asked: Iterator[Asked]) -> Iterator[list[Asked]]:

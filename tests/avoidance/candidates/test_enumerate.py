@@ -5,7 +5,11 @@ import pytest
 
 from mgjax.avoidance.body.edge_tables import edge_tables
 from mgjax.avoidance.candidates import enumerate as module
-from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_candidates
+from mgjax.avoidance.candidates.enumerate import (
+    Candidates,
+    enumerate_candidates,
+    enumerate_nodes,
+)
 from mgjax.graph.types import NO_EDGE, MotionGraph
 from tests.avoidance.made import make_graph, random_graph
 from tests.reference import avoidance as reference
@@ -134,3 +138,33 @@ def test_a_long_time_ahead_is_bounded(real_graph: MotionGraph) -> None:
     got = found_by(real_graph, 0, 6.0, capacity=100)
     assert len(got.length) == 100
     assert got.overflow > 1000
+
+
+def test_nodes_together_are_nodes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    graph = random_graph(3)
+    tables = edge_tables(graph, 30.0)
+    rng = np.random.default_rng(0)
+    nodes = rng.permutation(graph.num_nodes)
+    low = rng.uniform(0.2, 0.8, len(nodes)) + 3e-5
+    high = low + rng.uniform(0.1, 1.0, len(nodes))
+    alone = [
+        enumerate_candidates(
+            graph, tables, int(node), (a + b) / 2, window=b - a, capacity=1_000_000
+        )
+        for node, a, b in zip(nodes, low, high, strict=True)
+    ]
+    assert sum(len(own.length) for own in alone) > 20
+    assert any(len(own.length) == 0 for own in alone)
+
+    def same() -> None:
+        together = enumerate_nodes(graph, tables, nodes, low, high)
+        for got, wanted in zip(together, alone, strict=True):
+            for name in ("edges", "length", "part"):
+                np.testing.assert_array_equal(getattr(got, name), getattr(wanted, name))
+            assert got.overflow == 0
+
+    same()
+    # Without room for all of them at once they grow in halves.
+    walks = max(len(own.length) for own in alone)
+    monkeypatch.setattr(module, "MAX_WALKS", 4 * walks)
+    same()
