@@ -31,11 +31,14 @@ if TYPE_CHECKING:
     from mgjax.avoidance.config import AvoidanceConfig as AvoidanceConfig
     from mgjax.avoidance.config import SpeedConfig as SpeedConfig
     from mgjax.avoidance.coverage.throws import Coverage as Coverage
+    from mgjax.avoidance.energy.clearance import Clearance as Clearance
+    from mgjax.avoidance.energy.clearance import clearance as clearance
     from mgjax.avoidance.energy.energies import Energies as Energies
     from mgjax.avoidance.energy.energies import EnergyConfig as EnergyConfig
     from mgjax.avoidance.energy.energies import energies as energies
     from mgjax.avoidance.energy.energies import energies_batch as energies_batch
     from mgjax.avoidance.energy.score import Energy as Energy
+    from mgjax.avoidance.energy.soft import soft_energies as soft_energies
     from mgjax.avoidance.index.build import build_index as build_index
     from mgjax.avoidance.index.files import load_index as load_index
     from mgjax.avoidance.index.files import save_index as save_index
@@ -71,6 +74,8 @@ else:
             "build_index": "mgjax.avoidance.index.build",
             "Candidates": "mgjax.avoidance.candidates.enumerate",
             "Choice": "mgjax.avoidance.choice.results",
+            "clearance": "mgjax.avoidance.energy.clearance",
+            "Clearance": "mgjax.avoidance.energy.clearance",
             "choose": "mgjax.avoidance.choice.choosing",
             "Coverage": "mgjax.avoidance.coverage.throws",
             "Crop": "mgjax.avoidance.attacks.crop",
@@ -78,6 +83,7 @@ else:
             "Energies": "mgjax.avoidance.energy.energies",
             "energies": "mgjax.avoidance.energy.energies",
             "energies_batch": "mgjax.avoidance.energy.energies",
+            "soft_energies": "mgjax.avoidance.energy.soft",
             "Energy": "mgjax.avoidance.energy.score",
             "EnergyConfig": "mgjax.avoidance.energy.energies",
             "FoundPaths": "mgjax.avoidance.index.found_paths",
