@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mgjax.avoidance.choice.choosing import choose as choose
     from mgjax.avoidance.choice.compile_ahead import warm_up as warm_up
     from mgjax.avoidance.choice.explain import Explained as Explained
+    from mgjax.avoidance.choice.explain import Explanation as Explanation
     from mgjax.avoidance.choice.explain import explain as explain
     from mgjax.avoidance.choice.results import Choice as Choice
     from mgjax.avoidance.choice.results import Dropped as Dropped
@@ -66,6 +67,7 @@ else:
             "Prepared": "mgjax.avoidance.prepared",
             "Answer": "mgjax.avoidance.play.answers",
             "explain": "mgjax.avoidance.choice.explain",
+            "Explanation": "mgjax.avoidance.choice.explain",
             "Explained": "mgjax.avoidance.choice.explain",
             "Attack": "mgjax.avoidance.attacks.attack",
             "AvoidanceConfig": "mgjax.avoidance.config",

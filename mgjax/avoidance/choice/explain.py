@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Literal
 
 import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
+from mgjax.avoidance.checks.written import walk_motion
 from mgjax.avoidance.choice.choosing import query_decided
 from mgjax.avoidance.choice.search import STATUS, search_candidates
 from mgjax.avoidance.choice.start import ask
@@ -16,8 +18,9 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.energy.score import ROWS, Energy
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.timing.time_scale import NOT_ADJUSTABLE, OK
+from mgjax.core.motion import Motion
 from mgjax.graph.types import MotionGraph
-from mgjax.graph.walk import Walk, make_walk
+from mgjax.graph.walk import Walk, extend, make_walk
 
 Outcome = Literal["clear", "hit", "not adjustable", "time scale", "unchecked"]
 
@@ -51,6 +54,56 @@ class Explained:
     clearance_m: float | None
 
 
+class Explanation(list[Explained]):
+    """All candidates of an attack, in the order of their rank: a list, and a table.
+
+    Attributes:
+        graph: on which the walks lie.
+        seconds: how long a motion has to stay clear, s.
+    """
+
+    def __init__(self, rows: Iterable[Explained], graph: MotionGraph, seconds: float) -> None:
+        super().__init__(rows)
+        self.graph = graph
+        self.seconds = seconds
+
+    def rows(self) -> list[dict[str, Any]]:
+        """One plain record a candidate, as ``polars.DataFrame`` and ``pandas.DataFrame`` take them.
+
+        The fields of :class:`Explained` without the walk, those of
+        :class:`~mgjax.avoidance.Energy` as ``energy_…``, and ``edges``, the edges of the path. What
+        is not known is None.
+        """
+        return [_record(row) for row in self]
+
+    def motion(self, place: int) -> Motion:
+        """The motion of the candidate at a place of the list, feet kept, in the planar frame of
+        its first pose, for as long as it has to stay clear.
+
+        As its scales of time say, at 120 frames per second. Where a candidate was not checked, the
+        first out-edges follow its path.
+        """
+        walk = extend(self.graph, self[place].walk, self.seconds)
+        return walk_motion(self.graph, walk, self.seconds)
+
+
+def _record(row: Explained) -> dict[str, Any]:
+    energy = {field.name: None for field in fields(Energy)}
+    if row.energy is not None:
+        energy = asdict(row.energy)
+    return {
+        "number": row.number,
+        "rank": row.rank,
+        "part": row.part,
+        "outcome": row.outcome,
+        "path_length": row.path_length,
+        "time_scale": row.time_scale,
+        "clearance_m": row.clearance_m,
+        **{f"energy_{name}": value for name, value in energy.items()},
+        "edges": [int(edge) for edge in row.walk.edges[: row.path_length]],
+    }
+
+
 def explain(
     graph: MotionGraph | Prepared,
     node: int,
@@ -58,7 +111,7 @@ def explain(
     *,
     config: AvoidanceConfig | None = None,
     checked: int = 16,
-) -> list[Explained]:
+) -> Explanation:
     """Every candidate of an attack: what it is worth, and whether it stays clear.
 
     Without slices and index: they only leave candidates out. The first in the list that is
@@ -70,8 +123,9 @@ def explain(
         checked: how many are checked exactly, in their order.
 
     Returns:
-        In the order of their rank, then those that cannot be timed. None at all if the attack never
-        comes near, or no avoidance part comes at the right time.
+        In the order of their rank, then those that cannot be timed; a list with ``.rows()``, plain
+        records for tables, and ``.motion(place)``. Empty if the attack never comes near, or no
+        avoidance part comes at the right time.
 
     Raises:
         AttackError, ConfigError: as :func:`mgjax.avoidance.select`.
@@ -79,11 +133,12 @@ def explain(
     config = config or AvoidanceConfig()
     prepared = prepared_for(graph, config)
     query = ask(prepared, node, attack, config)
+    until = attack.end + config.settle_s
     if query is None:
-        return []
+        return Explanation([], prepared.graph, until)
     query = query_decided(query)
     if not len(query.in_time.length):
-        return []
+        return Explanation([], prepared.graph, until)
     candidates = query.in_time
     padded, result = search_candidates(query, candidates)
     table, scales = np.asarray(result.table), np.asarray(result.scales)
@@ -123,4 +178,4 @@ def explain(
                 clearance_m=None if verdict is None else float(verdict.played.clearance),
             )
         )
-    return rows
+    return Explanation(rows, prepared.graph, until)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -95,6 +96,25 @@ def test_what_is_beyond_the_checks_is_said(made_graph):
             if row.rank is not None and row.rank >= 2:
                 assert row.outcome == "unchecked"
                 assert row.clearance_m is None
+
+
+def test_plain_records_and_motions(made_graph):
+    seen = 0
+    for node, attack in asked(made_graph):
+        rows = explain(made_graph, node, attack, config=CONFIG, checked=2)
+        records = rows.rows()
+        assert json.loads(json.dumps(records)) == records  # nothing but plain values
+        assert len({tuple(record) for record in records}) <= 1  # the same columns in all
+        for row, record in zip(rows, records, strict=True):
+            assert record["outcome"] == row.outcome
+            assert len(record["edges"]) == row.path_length
+            total = None if row.energy is None else row.energy.total
+            assert record["energy_total"] == total
+        if rows and not seen:
+            motion = rows.motion(0)
+            assert motion.num_frames >= 120.0 * (attack.end + CONFIG.settle_s)
+        seen += len(rows)
+    assert seen
 
 
 def test_an_attack_that_never_comes_near_has_no_candidates(made_graph):
