@@ -5,8 +5,9 @@
 
 For each option and threshold: the time to an avoidance part from every frame (C1), the cells of
 direction, height and arrival that are avoided from 90 % of the nodes (C2), how many parts are clear
-of a ball (C3), the labels that can be entered (C4), frames no answer plays (C5), balls avoided at
-three times of arrival, and how far planted feet travel and velocities jump in transitions.
+of a ball (C3), the labels that can be entered (C4), frames no answer plays (C5), what the seams are
+like beside uncut motion (C6), balls avoided at three times of arrival, and how far planted feet
+travel and velocities jump in transitions.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from matplotlib.figure import Figure
 from experiments.avoidance.graphs import EMBEDDED_M, clips_of, speed_changes
 from experiments.avoidance.success import genuine_parts
 from experiments.avoidance.throws import arriving_in, standard_throws, wilson
+from experiments.quality.price import price_of
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.coverage.connected import connected
@@ -34,6 +36,8 @@ from mgjax.runs.experiment import Results, experiment
 from mgjax.runs.points import Points
 
 PAPER = GraphConfig(minima="all", label_quiet=0.0, label_overlap=0.0)
+BETWEEN_M = 0.3
+"""Parts this near to one another get a clip between them."""
 OPTIONS: dict[str, tuple[GraphConfig, bool]] = {
     "paper": (PAPER, False),
     "allowed minima": (replace(PAPER, minima="allowed"), False),
@@ -41,10 +45,13 @@ OPTIONS: dict[str, tuple[GraphConfig, bool]] = {
     "overlap": (replace(PAPER, label_overlap=0.33), False),
     "ranges": (replace(PAPER, range_frames=8), False),
     "mirrored": (replace(PAPER, mirror=True), False),
+    "interpolated": (replace(PAPER, interpolate_m=BETWEEN_M), False),
     "wide window": (PAPER, True),
     "margins": (GraphConfig(), False),
     "default": (GraphConfig(), True),
+    "default, interpolated": (GraphConfig(interpolate_m=BETWEEN_M), True),
     "default, mirrored": (GraphConfig(mirror=True), True),
+    "default, mirrored, interpolated": (GraphConfig(mirror=True, interpolate_m=BETWEEN_M), True),
 }
 """Settings of the graph, and whether the search may widen its window."""
 
@@ -67,6 +74,8 @@ class Config:
     """Times until they are there, s."""
     nodes: int = 96
     """At how many nodes the cells are tried, from 16 directions each."""
+    seams: int = 1000
+    """Transitions that are measured, drawn at random."""
     seed: int = 0
     """Draws nodes, sides and heights; the same for all points."""
     avoidance: AvoidanceConfig = field(default_factory=AvoidanceConfig)
@@ -81,6 +90,7 @@ class Config:
             "balls": 2,
             "arrivals": (1.2,),
             "nodes": 2,
+            "seams": 20,
             "avoidance.checks": 4,
             "avoidance.capacity": 64,
         }
@@ -123,6 +133,7 @@ def _measured(task: tuple[Config, GraphConfig, AvoidanceConfig]) -> dict[str, An
         "speed_change_m_s_p50_p95": np.percentile(blended, [50, 95]),
         "captured_speed_change_m_s_p50_p95": np.percentile(captured, [50, 95]),
         "connectivity": connected(graph, found, config=search),
+        "seams": price_of(graph, config.seams),
         "avoided": {f"{s:g}": throw(graph, s) for s in config.arrivals},
         "genuine": throw(genuine_parts(graph), config.arrivals[0]),
     }
@@ -153,12 +164,15 @@ def _avoided(
 
 
 def figure(rows: list[dict[str, Any]]) -> Figure:
-    """Avoidable cells, and balls avoided, over what feet slide in transitions, by option."""
+    """Avoidable cells (C2), and balls avoided, over what feet slide in seams (G1), by option.
+
+    The points of an option are its thresholds; the dotted line is uncut motion at the same places.
+    """
     drawn = Figure(figsize=(11, 4.8), layout="constrained")
     left, right = drawn.subplots(1, 2)
     for number, name in enumerate(dict.fromkeys(row["option"] for row in rows)):
         own = [row for row in rows if row["option"] == name]
-        slides = [1000 * row["foot_slide_after"] for row in own]
+        slides = [row["seams"]["skate_cm"] for row in own]
         cells = [100 * row["connectivity"]["avoidable_cells"] for row in own]
         soonest = [100 * next(iter(row["avoided"].values()))["share"] for row in own]
         style: dict[str, Any] = {"marker": "o", "color": f"C{number % 10}", "label": name}
@@ -169,7 +183,8 @@ def figure(rows: list[dict[str, Any]]) -> Figure:
     left.set(ylabel="cells avoided from 90 % of the nodes, %", ylim=(0, 100))
     right.set(ylabel="standard balls avoided, %", ylim=(0, 100))
     for axes in (left, right):
-        axes.set_xlabel("planted feet travel in transitions, mm a frame")
+        axes.set_xlabel("feet slide in seams (skate_cm), cm a frame")
+        axes.axvline(min(row["seams"]["skate_cm_uncut"] for row in rows), color="k", ls=":")
         axes.grid(alpha=0.3)
     right.legend(frameon=False, fontsize=8)
     return drawn
@@ -184,8 +199,10 @@ def _line(row: dict[str, Any]) -> str:
         f" {row['labels_enterable']} of {row['labels_kept']} labels enterable, part in"
         f" {near['p50']} / {near['p95']} s, {found['avoidable_cells']:.0%} of cells,"
         f" {found['clear_parts']['p50']} parts clear, avoided {shares} %, genuine"
-        f" {row['genuine']['share']:.0%}, slide {1000 * row['foot_slide_after']:.2f} mm, velocity"
-        f" jumps {row['speed_change_m_s_p50_p95'][1]:.2f} m/s (p95)"
+        f" {row['genuine']['share']:.0%}; seams slide {row['seams']['skate_cm']:.2f} cm (uncut"
+        f" {row['seams']['skate_cm_uncut']:.2f}), skate {row['seams']['skate_ratio']:.1%},"
+        f" jerky {row['seams']['jerky']:.2%}, velocity jumps"
+        f" {row['speed_change_m_s_p50_p95'][1]:.2f} m/s (p95)"
     )
 
 

@@ -91,16 +91,23 @@ def place_edges(
         edges: the walk.
         start: planar frame of the body at the beginning; default: at the origin, heading +Z.
     """
-    begin = np.zeros(3) if start is None else np.asarray(start, dtype=np.float64)
-    first = graph.node_plane[graph.edge_source[edges[0]]].astype(np.float64)
     # Plain numbers: a walk has a dozen edges, and the search lays out many walks.
-    here = [float(v) for v in planar.compose(begin, np.asarray(planar.inverse(first)))]
-    places = []
-    for turn, x, z in graph.edge_exit[edges].tolist():
+    turn, x, z = graph.node_plane[graph.edge_source[edges[0]]].tolist()
+    c, s = math.cos(turn), math.sin(turn)
+    here = [-turn, z * s - x * c, -x * s - z * c]
+    if start is not None:
+        here = _composed([float(v) for v in start], *here)
+    places: list[list[float]] = []
+    for exit_ in graph.edge_exit[edges].tolist():
         places.append(here)
-        c, s = math.cos(here[0]), math.sin(here[0])
-        here = [here[0] + turn, x * c + z * s + here[1], z * c - x * s + here[2]]
+        here = _composed(here, *exit_)
     return np.array(places)
+
+
+def _composed(outer: list[float], turn: float, x: float, z: float) -> list[float]:
+    """:func:`mgjax.core.planar.compose` of plain numbers."""
+    c, s = math.cos(outer[0]), math.sin(outer[0])
+    return [outer[0] + turn, x * c + z * s + outer[1], z * c - x * s + outer[2]]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -127,12 +134,12 @@ def frames_at(graph: MotionGraph, walk: Walk, times: Float[np.ndarray, " T"]) ->
     beginning and after the end give the first and the last pose.
     """
     begins = walk.starts(graph)
-    within = np.clip(np.asarray(times, dtype=np.float64), 0.0, begins[-1])
-    index = np.clip(np.searchsorted(begins, within, side="right") - 1, 0, len(walk.edges) - 1)
+    within = np.minimum(np.maximum(np.asarray(times, dtype=np.float64), 0.0), begins[-1])
+    index = np.minimum(begins.searchsorted(within, side="right") - 1, len(walk.edges) - 1)
     edges = walk.edges[index]
     counts = graph.edge_frames[edges]
     local = (within - begins[index]) / walk.scales[index] * graph.frame_rate
-    local = np.clip(local, 0.0, counts)
+    local = np.minimum(np.maximum(local, 0.0), counts)
     step = np.minimum(local.astype(np.int64), counts - 1)
     crosses = (step == counts - 1) & (index + 1 < len(walk.edges))
     after = np.minimum(index + crosses, len(walk.edges) - 1)

@@ -32,11 +32,12 @@ def walk_onward(
         node: where the character stands.
         seconds: at natural speed.
     """
-    edges = [int(onward[node])]
-    frames = int(graph.edge_frames[edges[0]])
-    while frames < seconds * graph.frame_rate:
-        edges.append(int(onward[graph.edge_target[edges[-1]]]))
-        frames += int(graph.edge_frames[edges[-1]])
+    edge = onward.item(node)
+    edges, frames, wanted = [edge], graph.edge_frames.item(edge), seconds * graph.frame_rate
+    while frames < wanted:
+        edge = onward.item(graph.edge_target.item(edge))
+        edges.append(edge)
+        frames += graph.edge_frames.item(edge)
     return Walk(edges=np.array(edges), scales=np.ones(len(edges)))
 
 
@@ -54,9 +55,11 @@ def spheres_onward(
     walk = walk_onward(graph, onward, node, float(times[-1]))
     played = frames_at(graph, walk, times)
     placed = place_edges(graph, walk.edges)
-    centres = [
-        planar.apply(placed[edges][:, None], sphere_centres(spheres, graph.positions[frames]))
-        for frames, edges in ((played.low, played.edge_low), (played.high, played.edge_high))
-    ]
+    # Both frames of each moment at once: these are small arrays, and calls cost most.
+    frames = np.concatenate([played.low, played.high])
+    edges = np.concatenate([played.edge_low, played.edge_high])
+    joints = graph.positions[frames]
+    centres = np.asarray(planar.apply(placed[edges][:, None], sphere_centres(spheres, joints)))
+    low, high = centres[: len(times)], centres[len(times) :]
     share = played.share[:, None, None]
-    return np.asarray(centres[0] * (1 - share) + centres[1] * share)
+    return low * (1 - share) + high * share

@@ -72,7 +72,7 @@ def can_widen(config: AvoidanceConfig) -> bool:
 
 def with_wide_window(query: Query) -> Query:
     """The same query with the wider window."""
-    return replace(query, config=widened(query.config))
+    return query.widened(widened(query.config))
 
 
 def query_decided(query: Query) -> Query:

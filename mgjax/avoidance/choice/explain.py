@@ -116,7 +116,8 @@ def explain(
 
     Without slices and index: they only leave candidates out. The first in the list that is
     ``clear`` is what :func:`mgjax.avoidance.choose` takes: they are those within ``T_window`` or,
-    where it finds none of them clear, within ``T_wide``.
+    where it finds none of them clear, within ``T_wide``. Captured motion decides;
+    :func:`mgjax.avoidance.select` leaves out those that are touched with their feet kept.
 
     Args:
         graph, node, attack, config: see :func:`mgjax.avoidance.select`.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -68,6 +68,13 @@ class Query:
         return make_attack_batch(
             self.attack, self.crop, self.config, self.prepared.posed.reach, self.unmoved
         )
+
+    def widened(self, config: AvoidanceConfig) -> Query:
+        """The same query with a wider window; what compiled code reads of the attack stays."""
+        wide = replace(self, config=config)
+        if "attack_batch" in self.__dict__:
+            wide.__dict__["attack_batch"] = self.attack_batch
+        return wide
 
     @property
     def unmoved(self) -> Float[np.ndarray, "K B"]:

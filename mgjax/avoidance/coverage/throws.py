@@ -90,6 +90,7 @@ def coverage(
     At each node one ball comes from every direction: ``directions * nodes`` in all. Heights and
     times of arrival are dealt out, so that each pair of them comes from each direction equally
     often (to within one); that says more about a graph than all of them at fewer nodes would.
+    Captured motion decides, as in :func:`mgjax.avoidance.select_batch`.
 
     Args:
         graph: a motion graph with labelled avoidance parts, or what

@@ -75,6 +75,9 @@ def select_batch(
     """The choices of :func:`mgjax.avoidance.choice.choosing.choose` for many attacks, without their
     walks.
 
+    Nothing is written, so captured motion decides: feet that are kept differ from it by
+    centimetres, which :func:`mgjax.avoidance.select` looks at, too (``docs/limits.md``).
+
     Attacks that are padded to the same shapes are answered in one compiled call. Candidates are
     enumerated once per node, for the widest window that any of its attacks needs, and for some
     nodes at once.
