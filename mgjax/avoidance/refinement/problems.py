@@ -25,7 +25,7 @@ from mgjax.core.kinematics import forward
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.graph.types import MotionGraph
 
-MARGIN_M = 0.006
+MARGIN_M = 0.008
 """Clearance that is aimed at, of an adult."""
 LEAD_S = 0.5
 """How long before the first contact the change begins, and after the last one ends."""

@@ -169,7 +169,7 @@ def solve(rig: Rig, problem: Problem) -> Solution:
         change = change * jnp.minimum(1.0, LONGEST_STEP / jnp.max(jnp.abs(change) + 1e-9))
         # The multipliers of the linear model after the step.
         push = push - PENALTY * active.reshape(push.shape) * (lean @ change).reshape(push.shape)
-        missing = jnp.maximum(0.75 * problem.margin - least, 0.0) / problem.max_m
+        missing = jnp.maximum(0.5 * problem.margin - least, 0.0) / problem.max_m
         beyond = jnp.maximum(share_of_caps - 0.995, 0.0)
         cost = missing + beyond + 1e-3 * (x.reshape(-1) @ weight @ x.reshape(-1))
         cost = jnp.where(jnp.isfinite(cost), cost, jnp.inf)
