@@ -12,7 +12,7 @@ CORE := $(VENV)/.core-$(VERSION)
 DEV := $(VENV)/.dev-$(VERSION)
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: help demo view test test-browser test-long browser pictures docs reproduce lint dist clean
+.PHONY: help demo view test test-browser test-long browser pictures notebooks docs reproduce lint dist clean
 
 help:
 	@echo "make demo       throw balls at a character made of the embedded clips (out/demo)"
@@ -22,6 +22,7 @@ help:
 	@echo "make test-long  run those that take minutes"
 	@echo "make lint       ruff, pyright, import-linter"
 	@echo "make pictures   make the pictures of README.md anew (experiments/pictures)"
+	@echo "make notebooks  execute the notebooks at full size and keep what they show"
 	@echo "make docs       build the documentation as a site (out/site); a warning is an error"
 	@echo "make reproduce  run every experiment at full size, write RESULTS.md (MGJAX_CAPTURE: capture)"
 	@echo "make dist       build the wheel and the source archive (dist)"
@@ -65,6 +66,9 @@ pictures: $(DEV)
 
 reproduce: $(DEV)
 	$(BIN)/python -m experiments.results.reproduce
+
+notebooks: $(DEV)
+	$(BIN)/python -m experiments.notebooks.keep $(NOTEBOOKS)
 
 test-long: $(DEV)
 	$(BIN)/python -m pytest -m long --numprocesses 2 --dist worksteal

@@ -23,7 +23,11 @@ if TYPE_CHECKING:
     from mgjax.core.errors import MgjaxError as MgjaxError
     from mgjax.core.kinematics import global_positions as global_positions
     from mgjax.core.motion import Motion as Motion
+    from mgjax.core.motion import cut as cut
+    from mgjax.core.motion import mirror as mirror
+    from mgjax.core.motion import resample as resample
     from mgjax.core.skeleton import Skeleton as Skeleton
+    from mgjax.core.xla.compilation import enable_cache as enable_cache
     from mgjax.io.bvh.write import save_bvh as save_bvh
     from mgjax.io.load import load_motion as load_motion
     from mgjax.io.save import save_motion as save_motion
@@ -32,6 +36,10 @@ else:
     __getattr__, __dir__, __all__ = attach(
         __name__,
         {
+            "resample": "mgjax.core.motion",
+            "mirror": "mgjax.core.motion",
+            "cut": "mgjax.core.motion",
+            "enable_cache": "mgjax.core.xla.compilation",
             "avoidance": "mgjax.avoidance",
             "ballsport": "mgjax.ballsport",
             "clips": "mgjax.clips",

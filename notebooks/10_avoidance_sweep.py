@@ -28,21 +28,24 @@ SEED = 0
 import os
 from dataclasses import replace
 
-os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # before anything imports jax
+import mgjax
+
+mgjax.enable_cache()
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from mgjax.avoidance import EnergyConfig, ball_attack
-from mgjax.avoidance.choice.results import Status
-from mgjax.avoidance.many.settings import sweep_energies
-from mgjax.clips.synthetic import synthetic_clips
-from mgjax.core.xla.compilation import enable_cache
-from mgjax.graph.build import build_graph
-from mgjax.graph.config import GraphConfig
-from mgjax.graph.files import load_graph
+from mgjax.avoidance import (
+    AvoidanceConfig,
+    EnergyConfig,
+    Status,
+    ball_attack,
+    select,
+    sweep_energies,
+)
+from mgjax.clips import synthetic_clips
+from mgjax.graph import GraphConfig, build_graph, load_graph
 
-enable_cache()
 if os.environ.get("MGJAX_NOTEBOOK_SMOKE"):  # the tests run it small
     BALLS, POINTS = 3, 4
 
@@ -123,6 +126,24 @@ for axes, title in zip(columns, titles, strict=True):
     axes.grid(alpha=0.3)
 figure.legend(loc="outside right upper")
 plt.show()
+
+# %% [markdown]
+# ## The same ball, answered twice
+#
+# By default, and where the deviation of the body weighs sixteen times as much: of the balls thrown,
+# the first for which that is another walk.
+
+# %%
+heavy = 1 + 4 * POINTS - 1  # of the grid: the largest w_b
+other = np.flatnonzero(changed[:, heavy] & avoided[:, 0] & avoided[:, heavy])
+number = int(other[0]) if len(other) else 0
+select(graph, int(nodes[number]), balls[number])
+
+# %%
+select(graph, int(nodes[number]), balls[number], config=AvoidanceConfig(energy=grid[heavy]))
+
+# %% [markdown]
+# ## Where the energies are saturated
 
 # %%
 shares = {

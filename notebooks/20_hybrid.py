@@ -21,21 +21,18 @@ SECONDS = 20.0  # time limit of the search
 # %%
 import os
 
-os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # before anything imports jax
+import mgjax
+
+mgjax.enable_cache()
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from mgjax.clips.synthetic import synthetic_clips
-from mgjax.core.kinematics import global_positions
-from mgjax.core.xla.compilation import enable_cache
-from mgjax.graph.build import build_graph
-from mgjax.graph.config import GraphConfig
-from mgjax.graph.files import load_graph
+from mgjax.clips import synthetic_clips
+from mgjax.graph import GraphConfig, build_graph, load_graph
 from mgjax.hybrid import PathConfig, fabrik, follow, make_sketch, make_target, reach
-from mgjax.pictures.walk import distances, hands_above, top_view
+from mgjax.pictures import distances, hands_above, top_view
 
-enable_cache()
 if os.environ.get("MGJAX_NOTEBOOK_SMOKE"):  # the tests run it small
     LENGTH_M = 2.0
 
@@ -67,6 +64,9 @@ top_view(axes, graph, sketch, walked)
 axes.legend(loc="best", fontsize=8)
 plt.show()
 
+# %%
+walked
+
 # %% [markdown]
 # ## Reaching on the way
 #
@@ -86,6 +86,9 @@ hands_above(columns[0], graph, reached)
 distances(columns[1], graph, reached)
 plt.show()
 
+# %%
+reached
+
 # %% [markdown]
 # ## Inverse kinematics alone
 #
@@ -101,5 +104,5 @@ solved, status = fabrik(
 off = np.linalg.norm(np.asarray(solved)[:, -1] - targets, axis=1)
 print(f"{np.mean(np.asarray(status) == 0):.0%} reached, the farthest of them off by"
       f" {1000 * off[np.asarray(status) == 0].max():.2f} mm")  # fmt: skip
-positions = np.asarray(global_positions(graph.skeleton, reached.motion))
+positions = np.asarray(mgjax.global_positions(graph.skeleton, reached.motion))
 print(f"lowest joint of the whole walk {positions[..., 1].min():.3f} m above the floor")

@@ -21,20 +21,31 @@ SEED = 0
 # %%
 import os
 
-os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # before anything imports jax
+import mgjax
+
+mgjax.enable_cache()
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from mgjax.ballsport import AnalysisConfig, BallPhysics, Matcher, aim, analyse, build_clip_set, fly
-from mgjax.ballsport.config import ClipSetConfig
-from mgjax.ballsport.hits.detect import hit_joint, mark
-from mgjax.ballsport.scene.build import build_scene
-from mgjax.ballsport.scene.config import Pass, Player, SceneConfig
-from mgjax.core.xla.compilation import enable_cache
-from mgjax.pictures.scene import scene_figure
+from mgjax.ballsport import (
+    AnalysisConfig,
+    BallPhysics,
+    ClipSetConfig,
+    Matcher,
+    Pass,
+    Player,
+    SceneConfig,
+    aim,
+    analyse,
+    build_clip_set,
+    build_scene,
+    fly,
+    hit_joint,
+    mark,
+)
+from mgjax.pictures import scene_figure
 
-enable_cache()
 if os.environ.get("MGJAX_NOTEBOOK_SMOKE"):  # the tests run it small
     PASSES, TAKES = 2, 1
 
@@ -100,3 +111,9 @@ scene = build_scene(SceneConfig(players=players, passes=passes, seed=SEED, takes
 for by, to in scene.ends:
     print(f"{by or 'thrown in'} -> {to or 'nobody'}")
 scene_figure(scene)
+
+# %% [markdown]
+# Played: who kicks looks where the ball is to go, and each ball meets the next foot.
+
+# %%
+scene

@@ -21,7 +21,7 @@ import pytest
 
 PACKAGES = [
     *("mgjax", "mgjax.clips", "mgjax.graph"),
-    *("mgjax.avoidance", "mgjax.ballsport", "mgjax.hybrid", "mgjax.quality"),
+    *("mgjax.avoidance", "mgjax.ballsport", "mgjax.hybrid", "mgjax.quality", "mgjax.pictures"),
 ]
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -26,7 +26,7 @@ from experiments.quality.price import price_of
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.coverage.connected import connected
-from mgjax.avoidance.coverage.throws import coverage
+from mgjax.avoidance.coverage.throws import measure_coverage
 from mgjax.avoidance.many.attacks import select_batch
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.graph.build import build_graph
@@ -122,7 +122,7 @@ def _measured(task: tuple[Config, GraphConfig, AvoidanceConfig]) -> dict[str, An
     graph = build_graph(clips, labels=labels, config=settings)
     report = graph.report
     blended, captured = speed_changes(graph)
-    found = coverage(graph, nodes=config.nodes, seed=config.seed, config=search)
+    found = measure_coverage(graph, nodes=config.nodes, seed=config.seed, config=search)
     throw: Callable[..., Any] = lambda g, s: _avoided(config, g, s, search)  # noqa: E731
     return {
         **{k: report[k] for k in ("transitions", "nodes", "edges", "labels_kept")},

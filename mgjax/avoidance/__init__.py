@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     from mgjax.avoidance.choice.selection import select as select
     from mgjax.avoidance.config import AvoidanceConfig as AvoidanceConfig
     from mgjax.avoidance.config import SpeedConfig as SpeedConfig
+    from mgjax.avoidance.coverage.report import coverage_report as coverage_report
     from mgjax.avoidance.coverage.throws import Coverage as Coverage
+    from mgjax.avoidance.coverage.throws import measure_coverage as measure_coverage
     from mgjax.avoidance.energy.clearance import Clearance as Clearance
     from mgjax.avoidance.energy.clearance import clearance as clearance
     from mgjax.avoidance.energy.energies import Energies as Energies
@@ -61,6 +63,8 @@ else:
     __getattr__, __dir__, __all__ = attach(
         __name__,
         {
+            "coverage_report": "mgjax.avoidance.coverage.report",
+            "measure_coverage": "mgjax.avoidance.coverage.throws",
             "CandidateIndex": "mgjax.avoidance.index.protocol",
             "Status": "mgjax.avoidance.choice.results",
             "prepare": "mgjax.avoidance.prepared",

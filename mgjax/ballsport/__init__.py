@@ -39,7 +39,10 @@ if TYPE_CHECKING:
     from mgjax.ballsport.hits.bones import LiveAnalysis as LiveAnalysis
     from mgjax.ballsport.hits.bones import analyse as analyse
     from mgjax.ballsport.hits.detect import Hit as Hit
+    from mgjax.ballsport.hits.detect import Marks as Marks
     from mgjax.ballsport.hits.detect import find_hits as find_hits
+    from mgjax.ballsport.hits.detect import hit_joint as hit_joint
+    from mgjax.ballsport.hits.detect import mark as mark
     from mgjax.ballsport.hits.motion_vectors import MotionVectors as MotionVectors
     from mgjax.ballsport.hits.motion_vectors import motion_vector as motion_vector
     from mgjax.ballsport.hits.stream import HitStream as HitStream
@@ -70,6 +73,9 @@ else:
     __getattr__, __dir__, __all__ = attach(
         __name__,
         {
+            "Marks": "mgjax.ballsport.hits.detect",
+            "mark": "mgjax.ballsport.hits.detect",
+            "hit_joint": "mgjax.ballsport.hits.detect",
             "Aim": "mgjax.ballsport.aiming.solve",
             "aim": "mgjax.ballsport.aiming.passes",
             "aim_batch": "mgjax.ballsport.aiming.passes",

@@ -11,8 +11,8 @@ import numpy as np
 
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.coverage.connected import SERVED, connected
-from mgjax.avoidance.coverage.report import report
-from mgjax.avoidance.coverage.throws import Coverage, coverage
+from mgjax.avoidance.coverage.report import coverage_report
+from mgjax.avoidance.coverage.throws import Coverage, measure_coverage
 from mgjax.cli import arguments as commands
 from mgjax.cli.report import emit, to_json
 from mgjax.graph.files import load_graph
@@ -33,7 +33,7 @@ def run(command: commands.Coverage) -> None:
     config = load_config(command.config, AvoidanceConfig) if command.config else AvoidanceConfig()
     graph = load_graph(command.graph)
     with output_folder(command.out) as folder:
-        found = coverage(
+        found = measure_coverage(
             graph,
             directions=command.directions,
             heights=command.heights,
@@ -44,7 +44,7 @@ def run(command: commands.Coverage) -> None:
             config=config,
             progress=sys.stderr.isatty(),
         )
-        result = report(graph, found) | {"seed": command.seed}
+        result = coverage_report(graph, found) | {"seed": command.seed}
         result["connectivity"] = connected(graph, found, config=config)
         (folder / "coverage.json").write_text(to_json(result) + "\n")
         write_arrays(folder / "coverage.npz", graph, found)

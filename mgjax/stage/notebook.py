@@ -1,4 +1,4 @@
-"""What a notebook shows of a thing: a player in the cell, and a picture where nothing may run."""
+"""What a notebook shows of a thing: a player, and a picture that moves where nothing may run."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 from mgjax.core.errors import MgjaxError
 from mgjax.core.shown import origin_of
 from mgjax.stage.html import page_html
+from mgjax.stage.moving import moving_png
 from mgjax.stage.show.of import show_of
 from mgjax.stage.show.types import Show
-from mgjax.stage.still import still_png
 
 _NEEDS_ORIGIN = ("Motion", "Selection", "Walk", "PathResult", "ReachResult", "Coverage")
 HEIGHT_PX = 420
@@ -39,7 +39,7 @@ def mime_bundle(thing: Any) -> dict[str, str]:
     return {
         "text/plain": sentence(show),
         "text/html": cell_html(show),
-        "image/png": base64.b64encode(still_png(show)).decode(),
+        "image/png": base64.b64encode(moving_png(show)).decode(),
     }
 
 

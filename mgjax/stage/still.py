@@ -31,7 +31,7 @@ _SHARE = 0.88
 """Of the picture's height; words stand over it."""
 _COLOURS = 48
 _YAW, _PITCH = math.radians(-35), math.radians(14)
-_LIGHT = np.array([0.35, 0.75, 0.56])
+LIGHT = np.array([0.35, 0.75, 0.56])
 _SHARES = (0.0, 0.5, 1.0)
 """Of the time, the poses that are drawn; the first ones faint."""
 
@@ -42,17 +42,17 @@ def still_png(show: Show) -> bytes:
     axes = figure.add_axes((0.0, 0.0, 1.0, _SHARE))
     seen = [np.zeros((1, 2))]
     for line in show.lines:
-        flat = _flat(line.points)[:, :2]
+        flat = seen_from_the_side(line.points)[:, :2]
         axes.plot(*flat.T, color=PALETTE[line.colour], linewidth=0.6 * line.width, zorder=1)
         seen.append(flat)
     for actor in show.actors:
         seen += _draw_actor(axes, show, actor)
     for ball in show.balls:
-        flat = _flat(ball.places)[:, :2]
+        flat = seen_from_the_side(ball.places)[:, :2]
         axes.plot(*flat.T, color=PALETTE[ball.colour], linewidth=0.8, alpha=0.7, zorder=900)
     for thing in show.things:
         ends = [thing.place] if thing.end is None else [thing.place, thing.end]
-        flat = _flat(np.array(ends, float))[:, :2]
+        flat = seen_from_the_side(np.array(ends, float))[:, :2]
         axes.plot(*flat.T, "o-", color=PALETTE[thing.colour], markersize=3, zorder=800)
         seen.append(flat)
     places = np.concatenate(seen)
@@ -90,7 +90,7 @@ def _draw_actor(axes: Axes, show: Show, actor: Actor) -> list[np.ndarray]:
     seen: list[np.ndarray] = []
     for order, frame in enumerate(frames):
         places = skinned(body, actor.frames, frame)
-        flat = _flat(places)
+        flat = seen_from_the_side(places)
         share = 1.0 if frame == frames[-1] and actor.look == "solid" else 0.35
         _draw_surface(axes, flat, body.mesh.triangles.astype(int), actor.colour, share, 10 + order)
         seen.append(flat[:, :2])
@@ -105,7 +105,7 @@ def _draw_surface(
     normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-12
     front = np.flatnonzero(normals[:, 2] > 0)
     front = front[np.argsort(corners[front, :, 2].mean(axis=1))]
-    shade = 0.45 + 0.55 * np.clip(normals[front] @ _LIGHT, 0, 1)
+    shade = 0.45 + 0.55 * np.clip(normals[front] @ LIGHT, 0, 1)
     hue = np.array([int(PALETTE[colour][i : i + 2], 16) / 255 for i in (1, 3, 5)])
     paint = 1 - share * (1 - shade[:, None] * hue)
     axes.add_collection(
@@ -121,12 +121,17 @@ def skinned(body: Body, frames: Frames, frame: int) -> np.ndarray:
     turns = frames.rotations[: frame + 1]
     turns = turns.sum(axis=0, dtype=np.int16) if frames.delta else turns[-1]
     local = np.asarray(quaternion.normalise(turns.astype(np.float64) / 32767))
+    return placed_surface(body, np.asarray(frames.root[frame], np.float64), local)
+
+
+def placed_surface(body: Body, root: np.ndarray, local: np.ndarray) -> np.ndarray:
+    """The places of a body's surface, m, in a pose of local rotations. [3], [J,4] -> [V,3]"""
     skeleton = Skeleton(
         names=tuple(body.names),
         parents=tuple(int(p) for p in body.parents),
         offsets=np.asarray(body.offsets, np.float64),
     )
-    places, world = forward(skeleton, np.asarray(frames.root[frame], np.float64), local)
+    places, world = forward(skeleton, root, local)
     matrices = np.stack([quaternion.rotate(world, axis) for axis in np.eye(3)], axis=-1)
     shifts = places - np.einsum("jab,jb->ja", matrices, rest_positions(skeleton))
     mesh = body.mesh
@@ -137,7 +142,7 @@ def skinned(body: Body, frames: Frames, frame: int) -> np.ndarray:
     return np.einsum("vab,vb->va", blended, rest) + (weights * shifts[joints]).sum(axis=1)
 
 
-def _flat(places: np.ndarray) -> np.ndarray:
+def seen_from_the_side(places: np.ndarray) -> np.ndarray:
     """Places as the picture sees them: to the right, up, towards the eye. [N,3]"""
     c, s = math.cos(_YAW), math.sin(_YAW)
     x, y, z = (np.asarray(places, np.float64)[:, i] for i in range(3))

@@ -17,8 +17,8 @@ from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.search import search_one
 from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import HEIGHTS_M, AvoidanceConfig
-from mgjax.avoidance.coverage.report import report
-from mgjax.avoidance.coverage.throws import coverage
+from mgjax.avoidance.coverage.report import coverage_report
+from mgjax.avoidance.coverage.throws import measure_coverage
 from mgjax.avoidance.index.build import build_index
 from mgjax.avoidance.index.index import arrays_of
 from mgjax.avoidance.many.attacks import select_batch
@@ -169,8 +169,8 @@ def test_the_motion_that_is_written(made_graph, other_graph, size):
 
 def test_coverage_throws_at_the_whole_body(made_graph, other_graph, size):
     """Balls of the world, but as high as the body: none passes over a child by default."""
-    got, want = (coverage(g, nodes=18, directions=2) for g in (other_graph, made_graph))
+    got, want = (measure_coverage(g, nodes=18, directions=2) for g in (other_graph, made_graph))
     np.testing.assert_allclose(got.heights, size * want.heights)
-    assert {row["band"] for row in report(other_graph, got)["regions"]} == {
-        row["band"] for row in report(made_graph, want)["regions"]
+    assert {row["band"] for row in coverage_report(other_graph, got)["regions"]} == {
+        row["band"] for row in coverage_report(made_graph, want)["regions"]
     }

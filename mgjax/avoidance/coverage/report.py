@@ -22,7 +22,7 @@ BANDS = {"low": (0.0, 0.4), "waist-high": (0.4, 0.75), "high": (0.75, np.inf)}
 QUANTILES = (0.0, 0.1, 0.5, 0.9, 1.0)
 
 
-def report(graph: MotionGraph, result: Coverage) -> dict[str, Any]:
+def coverage_report(graph: MotionGraph, result: Coverage) -> dict[str, Any]:
     """The shares of all attacks, and where they are worst, as JSON values.
 
     ``cells`` has one list per direction with one share per height, None where no ball was thrown.

@@ -73,7 +73,7 @@ class Coverage(Shown):
         return len(self.node)
 
 
-def coverage(
+def measure_coverage(
     graph: MotionGraph | Prepared,
     *,
     directions: int = DIRECTIONS,

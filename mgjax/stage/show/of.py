@@ -91,7 +91,7 @@ def _scene(thing: Any) -> Show:
 def _coverage(thing: Any) -> Show:
     from mgjax.stage.show.coverage import coverage_show
 
-    (graph,) = _made_of(thing, "its graph", "coverage(…)")
+    (graph,) = _made_of(thing, "its graph", "measure_coverage(…)")
     return coverage_show(graph, thing)
 
 

@@ -10,7 +10,7 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.coverage.connected import answers_to, avoidable_cells, connected
-from mgjax.avoidance.coverage.throws import Coverage, coverage
+from mgjax.avoidance.coverage.throws import Coverage, measure_coverage
 from mgjax.avoidance.many.attacks import select_batch
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.graph.types import MotionGraph
@@ -19,7 +19,7 @@ from tests.avoidance.coverage.test_throws import AVOIDED, HIT, SMALL, made
 
 @pytest.fixture(scope="module")
 def small(made_graph: MotionGraph) -> Coverage:
-    return coverage(made_graph, **SMALL)
+    return measure_coverage(made_graph, **SMALL)
 
 
 def test_avoidable_cells_by_hand() -> None:

@@ -10,9 +10,9 @@ from mgjax.avoidance import choose
 from mgjax.avoidance.attacks.ball import ball_from
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.coverage.report import COMPASS, bearing, report
+from mgjax.avoidance.coverage.report import COMPASS, bearing, coverage_report
 from mgjax.avoidance.coverage.shares import cells, interval, outcomes, shares, worst_cells
-from mgjax.avoidance.coverage.throws import NO_KIND, Coverage, coverage
+from mgjax.avoidance.coverage.throws import NO_KIND, Coverage, measure_coverage
 from mgjax.avoidance.many.attacks import (
     NO_PART,
     BatchSelection,
@@ -33,7 +33,7 @@ def settings(**changes: Any) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def small(made_graph: MotionGraph) -> Coverage:
-    return coverage(made_graph, **SMALL)
+    return measure_coverage(made_graph, **SMALL)
 
 
 def made(
@@ -109,7 +109,7 @@ def test_directions_turn_to_the_left() -> None:
 
 
 def test_report_counts(made_graph: MotionGraph, small: Coverage) -> None:
-    found = report(made_graph, small)
+    found = coverage_report(made_graph, small)
     status = small.answers.status
     total = found["all"]
     assert total["attacks"] == found["attacks"] == 36
@@ -137,7 +137,7 @@ def test_nodes_out_of_reach(made_graph: MotionGraph, small: Coverage) -> None:
     nearest = np.full(made_graph.num_nodes, 0.4)
     nearest[order[[2, 3, 4, 6]]] = [2.0, np.inf, 1.9, 2.19]
     changed = replace(small, nearest_part=nearest)
-    early, late = report(made_graph, changed)["out_of_reach"]
+    early, late = coverage_report(made_graph, changed)["out_of_reach"]
     assert (early["within_s"], early["nodes"]) == (1.9, 4)  # half of T_wide more
     assert [row["nodes"] for row in early["stretches"]] == [order[2:5].tolist(), [int(order[6])]]
     row = early["stretches"][0]
@@ -190,16 +190,16 @@ def test_worst_cells_are_not_bad_luck() -> None:
 
 
 def test_same_seed_same_answers(made_graph: MotionGraph, small: Coverage) -> None:
-    again = coverage(made_graph, **SMALL)
-    assert report(made_graph, again) == report(made_graph, small)
-    other = coverage(made_graph, **settings(seed=4))
+    again = measure_coverage(made_graph, **SMALL)
+    assert coverage_report(made_graph, again) == coverage_report(made_graph, small)
+    other = measure_coverage(made_graph, **settings(seed=4))
     assert (other.node != small.node).any()
 
 
 def test_more_nodes_than_there_are(made_graph: MotionGraph) -> None:
     nodes = made_graph.num_nodes + 2
     one = settings(directions=1, heights=[1.4], arrivals=[0.2], nodes=nodes)
-    found = coverage(made_graph, **one)
+    found = measure_coverage(made_graph, **one)
     counts = np.bincount(found.node)
     assert counts.min() == 1
     assert (counts == 2).sum() == 2
@@ -211,7 +211,7 @@ def test_figures_of_few_and_many(made_graph: MotionGraph, small: Coverage) -> No
     lonely = made([HIT], [0], [0], directions=1)
     lonely = replace(lonely, nearest_part=np.full(made_graph.num_nodes, np.inf))
     coverage_figure(made_graph, lonely).canvas.draw()
-    report(made_graph, lonely)
+    coverage_report(made_graph, lonely)
 
 
 @pytest.mark.parametrize(
@@ -230,7 +230,7 @@ def test_figures_of_few_and_many(made_graph: MotionGraph, small: Coverage) -> No
 )
 def test_bad_settings(made_graph: MotionGraph, wrong: dict[str, Any], words: str) -> None:
     with pytest.raises(ConfigError) as refused:
-        coverage(made_graph, **settings(**wrong))
+        measure_coverage(made_graph, **settings(**wrong))
     assert words in str(refused.value)
 
 
@@ -245,6 +245,6 @@ def test_bad_graph_and_balls(made_graph: MotionGraph) -> None:
         label_genuine=made_graph.label_genuine[:0],
     )
     with pytest.raises(GraphError, match="got a graph without avoidance parts, expected"):
-        coverage(unlabelled, **SMALL)
+        measure_coverage(unlabelled, **SMALL)
     with pytest.raises(AttackError, match="inside the body"):
-        coverage(made_graph, **settings(heights=(1.1,), arrivals=(0.001,)))
+        measure_coverage(made_graph, **settings(heights=(1.1,), arrivals=(0.001,)))

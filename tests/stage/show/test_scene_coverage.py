@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mgjax.avoidance.coverage.throws import coverage
+from mgjax.avoidance.coverage.throws import measure_coverage
 from mgjax.ballsport.ball.physics import Net
 from mgjax.ballsport.scene.ball_track import csv_text
 from mgjax.ballsport.scene.build import build_scene
@@ -69,7 +69,7 @@ def test_the_folder_shows_the_same(tmp_path, scene):
 
 @pytest.fixture(scope="module")
 def covered(graph):
-    return coverage(graph, directions=4, heights=(0.6, 1.4), arrivals=(1.0,), nodes=6)
+    return measure_coverage(graph, directions=4, heights=(0.6, 1.4), arrivals=(1.0,), nodes=6)
 
 
 def test_a_ball_for_each_direction_and_height(graph, covered):

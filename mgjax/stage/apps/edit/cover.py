@@ -15,7 +15,7 @@ from mgjax.avoidance.choice.selection import Selection, select
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.coverage.report import bearing
 from mgjax.avoidance.coverage.shares import shares
-from mgjax.avoidance.coverage.throws import DISTANCE_M, Coverage, coverage
+from mgjax.avoidance.coverage.throws import DISTANCE_M, Coverage, measure_coverage
 from mgjax.avoidance.many.attacks import BatchSelection
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.core.errors import ConfigError
@@ -57,7 +57,7 @@ def cover(
     whole: Coverage | None = None
     for number in range(rounds):
         watch((number + 0.1) / rounds, f"throwing balls: round {number + 1} of {rounds}")
-        part = coverage(
+        part = measure_coverage(
             prepared,
             directions=DIRECTIONS,
             heights=[graph.body_scale * height for height in HEIGHTS_M],

@@ -9,7 +9,7 @@ import pytest
 
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.coverage.report import report
+from mgjax.avoidance.coverage.report import coverage_report
 from mgjax.core.errors import ConfigError, GraphError
 from mgjax.stage.apps.edit.cover import (
     DIRECTIONS,
@@ -117,7 +117,7 @@ def test_coverage_grows_by_rounds_and_its_cells_are_counted(graph):
     counted = {s.value: told[s.value] for s in Status}
     assert (sum(counted.values()) == 2 * ROUND // len(HEIGHTS_M)).all()
     share = counted["avoided"] / sum(counted.values())
-    np.testing.assert_allclose(share, report(graph, whole)["cells"]["avoided"], atol=1e-4)
+    np.testing.assert_allclose(share, coverage_report(graph, whole)["cells"]["avoided"], atol=1e-4)
     direction, height = np.argwhere(counted["avoided"] > 0)[0]
     statuses = []
     for turn in range(6):

@@ -1,0 +1,1 @@
+"""Notebooks are executed here, and what they show is kept."""
