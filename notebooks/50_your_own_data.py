@@ -96,7 +96,7 @@ roles = find_roles(loaded[0].skeleton)
 print({role: loaded[0].skeleton.names[joint] for role, joint in roles.items()})
 
 # %%
-mgjax.cut(loaded[1].motion, 0, 120)
+loaded[1]
 
 # %% [markdown]
 # ## Where does something happen?
