@@ -10,6 +10,7 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import lax
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.body.poses import GraphPoses, PosedGraph, placed_poses, sphere_places
@@ -17,7 +18,7 @@ from mgjax.core import quaternion
 from mgjax.core.arrays import Array
 from mgjax.core.xla.padding import pad_axis
 
-FRAME_TILE = 4096
+FRAME_TILE = 256
 """Pairs of poses that are measured in one call."""
 _SHARES = (0.25, 0.5, 0.75)
 _SAFETY, _ROUNDING_M = 1.1, 2e-5
@@ -66,13 +67,16 @@ def _chord_errors(
 def _tile_errors(
     poses: GraphPoses, low: Int[Array, " N"], high: Int[Array, " N"], place: Float[Array, "N 3"]
 ) -> Float[Array, " N"]:
-    ends = (poses.root[low], poses.rotations[low]), placed_poses(poses, high, place)
-    first, last = sphere_places(poses, *ends[0]), sphere_places(poses, *ends[1])
-    worst = jnp.zeros(low.shape, jnp.float32)
-    for share in _SHARES:
-        at = jnp.full((1, 1), share, jnp.float32)
-        root = ends[0][0] * (1 - share) + ends[1][0] * share
-        turned = sphere_places(poses, root, quaternion.slerp(ends[0][1], ends[1][1], at))
-        off = turned - (first * (1 - share) + last * share)
-        worst = jnp.maximum(worst, jnp.max(jnp.sum(off * off, axis=-1), axis=1))
-    return jnp.sqrt(worst)
+    root, turns = zip(
+        (poses.root[low], poses.rotations[low]), placed_poses(poses, high, place), strict=True
+    )
+    shares = jnp.array((0.0, 1.0, *_SHARES), jnp.float32)[:, None, None]
+    roots = root[0][None] * (1 - shares) + root[1][None] * shares
+    between = quaternion.slerp(turns[0][None], turns[1][None], shares[2:])
+    # One body for all poses: written out, it would be compiled five times.
+    first, last, *inner = lax.map(
+        lambda pose: sphere_places(poses, *pose),
+        (roots, jnp.concatenate([jnp.stack(turns), between])),
+    )
+    off = [x - (first * (1 - s) + last * s) for x, s in zip(inner, _SHARES, strict=True)]
+    return jnp.sqrt(jnp.max(jnp.sum(jnp.stack(off) ** 2, axis=-1), axis=(0, 2)))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance.attacks.merge import merge_attacks
-from mgjax.avoidance.choice.compile_ahead import warm_up
+from mgjax.avoidance.choice.compile_ahead import programs, warm_up
 from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
 from mgjax.graph.types import MotionGraph
@@ -39,3 +39,10 @@ def test_nothing_is_compiled_after_warming_up(made_graph: MotionGraph) -> None:
             statuses.add(choice.status)
     assert not compiled
     assert statuses >= {"avoided"}
+
+
+def test_how_many_programs_attacks_need(made_graph: MotionGraph) -> None:
+    """Each takes seconds to compile: more of them are felt by everyone who begins."""
+    plain = len(programs(made_graph, config=AvoidanceConfig(refine="off")))
+    assert plain <= 10
+    assert len(programs(made_graph)) == plain + 1
