@@ -18,6 +18,7 @@ from mgjax.core.arrays import Array
 from mgjax.core.body.joint_limits import JointLimits, clamp
 from mgjax.hybrid.ik import tree_steps as steps
 from mgjax.hybrid.ik.chain import NOT_CONVERGED, REACHED, UNREACHABLE_FAR, UNREACHABLE_NEAR
+from mgjax.hybrid.ik.following import following
 from mgjax.hybrid.ik.search import STARTS, Budget, climb, drawn_poses, search_on
 
 _STEPS = 32
@@ -50,6 +51,10 @@ def fabrik_tree(
     met, as many as possible are, of those that exclude each other the earlier ones; the others are
     approached as far as that allows. Bones are exact, the base does not move, twists that no limit
     or sub-base changes are kept.
+
+    Gradients (forward and reverse mode) with respect to offsets, base, rotations, targets and frame
+    are those of the pose that follows by the smallest turns
+    (:mod:`mgjax.hybrid.ik.following`); tolerance and limits have none.
 
     Deviation:
         Aristidou and Lasenby stop with the stages. With limits these stall: the one stage moves a
@@ -92,7 +97,18 @@ def fabrik_tree(
     def nearer(*setting: Array) -> tuple[steps.TreeProblem, Array]:
         return _brought_near(problem_of(*setting), lengths, goal)
 
-    solved = _solve(nearer, flat, limits, goal, Budget(max_iterations, max_steps, max_starts))
+    # The search is not differentiated: its result is, by what it fulfils.
+    fixed, budget = lax.stop_gradient, Budget(max_iterations, max_steps, max_starts)
+
+    def searched(*setting: Array) -> tuple[steps.TreeProblem, Array]:
+        return fixed(nearer(*setting))
+
+    solved = _solve(searched, fixed(flat), fixed(limits), goal, budget)
+
+    def follow(base: Array, frame: Array, targets: Array, given: Array, solved: Array) -> Array:
+        return following(nearer(base, frame, targets)[0], given, limits, solved)
+
+    solved = jax.vmap(follow)(*flat, solved)
 
     def status_of(base: Array, frame: Array, targets: Array, local: Array) -> Array:
         return _status(problem_of(base, frame, targets), local, lengths, goal)

@@ -399,3 +399,51 @@ def test_captured_skeletons(capture, file, name) -> None:
     assert (np.asarray(status) == REACHED).all()
     joints, _ = places(skeleton, roots, found)
     np.testing.assert_allclose(joints[:, limb.joints[-1]], targets[:, 0], atol=1.5e-3)
+
+
+def test_ends_follow_their_targets_forwards_and_backwards(skeleton, poses) -> None:
+    # Where the ends are met, they move as the targets do, whatever the search did; a pose that
+    # needs no search follows what it is given.
+    limbs = limbs_of(skeleton, "left_hand", "right_hand")
+    targets = near(skeleton, poses, limbs, 0.05)[0]
+    root, local = poses[0][0], poses[1][0]
+
+    def ends(targets, local):
+        solved, status = reach_pose(skeleton, root, local, targets, limbs=limbs)
+        joints, _ = kinematics.forward(skeleton, root, solved)
+        return joints[np.array([limb.joints[-1] for limb in limbs])], status
+
+    slopes, status = jax.jit(jax.jacrev(ends, argnums=(0, 1), has_aux=True))(targets, local)
+    assert status.tolist() == [REACHED, REACHED]
+    eye = np.eye(6).reshape(2, 3, 2, 3)
+    np.testing.assert_allclose(slopes[0], eye, atol=1e-3)
+    assert np.isfinite(slopes[1]).all()
+    _, forwards, _ = jax.jit(
+        lambda way: jax.jvp(lambda t: ends(t, local), (targets,), (way,), has_aux=True)
+    )(np.ones_like(targets))
+    np.testing.assert_allclose(forwards, np.ones((2, 3)), atol=1e-3)
+    # Of several poses at once: each has the slopes of its own.
+    batch = np.stack([targets, targets + np.float32(0.01)])
+    many = jax.jit(jax.vmap(jax.grad(lambda t: ends(t, local)[0].sum())))(batch)
+    np.testing.assert_allclose(many, np.ones((2, 2, 3)), atol=1e-3)
+
+
+def test_slopes_are_finite_where_limits_and_length_stop_the_arms(skeleton, poses) -> None:
+    limbs = limbs_of(skeleton, "left_hand", "right_hand")
+    moved = moved_joints(limbs)
+    bones = np.asarray(skeleton.offsets)[list(moved)]
+    swing, twist = [(-0.5, 0.5, -0.5, 0.5)] * len(moved), [(-0.3, 0.3)] * len(moved)
+    limits = joint_limits(bones, swing=swing, twist=twist)
+    targets = near(skeleton, poses, limbs, 0.05)[0]
+    root, local = poses[0][0], poses[1][0]
+
+    def total(targets):
+        solved, _ = reach_pose(skeleton, root, local, targets, limbs=limbs, limits=limits)
+        joints, _ = kinematics.forward(skeleton, root, solved)
+        return joints[np.array([limb.joints[-1] for limb in limbs])].sum()
+
+    slope = jax.jit(jax.grad(total))
+    for wanted in (targets, targets + 10, np.stack([root, root])):
+        found = np.asarray(slope(wanted.astype(np.float32)))
+        assert np.isfinite(found).all()
+        assert (np.abs(found) < 10).all()
