@@ -135,7 +135,13 @@ def test_the_table_is_what_is_tested() -> None:
     assert all(rest[1:] == ["yes"] * 4 for rest in rows.values())
 
 
-@pytest.mark.parametrize("name", sorted(CASES))
+LONG = {"mgjax.hybrid.fabrik"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.long if n in LONG else ()) for n in sorted(CASES)],
+)
 def test_rows(name: str) -> None:
     case = CASES[name]()
     rng = np.random.default_rng(3)

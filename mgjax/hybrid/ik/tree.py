@@ -108,12 +108,12 @@ def fabrik_tree(
     def follow(base: Array, frame: Array, targets: Array, given: Array, solved: Array) -> Array:
         return following(nearer(base, frame, targets)[0], given, limits, solved)
 
-    solved = jax.vmap(follow)(*flat, solved)
+    bases, frames, wanted, given = flat
+    solved = jax.vmap(follow)(bases, frames, wanted, given, solved)
 
     def status_of(base: Array, frame: Array, targets: Array, local: Array) -> Array:
         return _status(problem_of(base, frame, targets), local, lengths, goal)
 
-    bases, frames, wanted, _ = flat
     status = jax.vmap(status_of)(bases, frames, wanted, solved)
     return solved.reshape(rotations.shape), status.reshape(*batch, len(ends))
 

@@ -401,6 +401,7 @@ def test_captured_skeletons(capture, file, name) -> None:
     np.testing.assert_allclose(joints[:, limb.joints[-1]], targets[:, 0], atol=1.5e-3)
 
 
+@pytest.mark.long
 def test_ends_follow_their_targets_forwards_and_backwards(skeleton, poses) -> None:
     # Where the ends are met, they move as the targets do, whatever the search did; a pose that
     # needs no search follows what it is given.
@@ -428,6 +429,7 @@ def test_ends_follow_their_targets_forwards_and_backwards(skeleton, poses) -> No
     np.testing.assert_allclose(many, np.ones((2, 2, 3)), atol=1e-3)
 
 
+@pytest.mark.long
 def test_slopes_are_finite_where_limits_and_length_stop_the_arms(skeleton, poses) -> None:
     limbs = limbs_of(skeleton, "left_hand", "right_hand")
     moved = moved_joints(limbs)
