@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+SETTINGS = "by name, unless it is the last and must be given"
 ROOMS = ("avoidance", "ballsport", "clips", "graph", "hybrid", "quality")
 PAGE = Path(__file__).resolve().parent.parent / "CONTRIBUTING.md"
 
@@ -35,7 +36,7 @@ FUNCTIONS = dict(public_functions())
 
 
 def test_the_table_is_read() -> None:
-    assert list(places()) == ["first", "then", "config", "by name only"]
+    assert list(places()) == ["first", "then", "config", SETTINGS]
     assert all(places().values())
     assert len(FUNCTIONS) > 50
 
@@ -43,6 +44,7 @@ def test_the_table_is_read() -> None:
 @pytest.mark.parametrize("name", sorted(FUNCTIONS))
 def test_order(name: str) -> None:
     given = inspect.signature(FUNCTIONS[name]).parameters.values()
+    empty = inspect.Parameter.empty
     by_place = [p.name for p in given if p.kind is p.POSITIONAL_OR_KEYWORD]
     by_name = [p.name for p in given if p.kind is p.KEYWORD_ONLY]
     assert all(p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) for p in given)
@@ -56,7 +58,10 @@ def test_order(name: str) -> None:
     if config in by_place:
         assert by_place[-1] == config
     if not name.split(".")[1].startswith("save_"):  # what is saved is no setting
-        assert not set(by_place) & set(table["by name only"])
-    known = [config, *table["by name only"]]
+        early = by_place
+        if early and inspect.signature(FUNCTIONS[name]).parameters[early[-1]].default is empty:
+            early = early[:-1]
+        assert not set(early) & set(table[SETTINGS])
+    known = [config, *table[SETTINGS]]
     order = [argument for argument in by_name if argument in known]
     assert order == sorted(order, key=known.index)

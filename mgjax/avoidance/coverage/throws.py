@@ -80,9 +80,9 @@ def measure_coverage(
     heights: Sequence[float] | None = None,
     arrivals: Sequence[float] = ARRIVALS_S,
     nodes: int = NODES,
-    seed: int = 0,
     speed: float = BALL_SPEED_M_S,
     config: AvoidanceConfig | None = None,
+    seed: int = 0,
     progress: bool = False,
 ) -> Coverage:
     """Throws straight balls at the body's axis from all around, and answers them.
