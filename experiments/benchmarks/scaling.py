@@ -87,7 +87,7 @@ def run(config: Config) -> Results:
     staged = _built(_first(clips, 60 * config.minutes[-1]), graph, timed)
     exponents = {
         name: _exponent([row["frames"] for row in rows], [row[name] for row in rows])
-        for name in ("distance_cpu_s", "rest_cpu_s", "minima", "transitions")
+        for name in ("distance_cpu_s", "rest_cpu_s", "transitions")
     }
     # The first block of each size of program loads it.
     blocks = np.sort(timed.seconds)[: max(len(timed.seconds) - 3, 1)]
@@ -107,8 +107,9 @@ def run(config: Config) -> Results:
     }
     lines = [
         f"{row['minutes']:.1f} min, {row['frames']} frames: search {row['distance_cpu_s']:.1f} s,"
-        f" rest {row['rest_cpu_s']:.1f} s of CPU, {row['minima']} minima, {row['transitions']}"
-        f" transitions, {row['window_pairs_per_cpu_s'] / 1e6:.0f} M window pairs a second,"
+        f" rest {row['rest_cpu_s']:.1f} s of CPU, {_count(row['minima'])} minima,"
+        f" {row['transitions']} transitions,"
+        f" {row['window_pairs_per_cpu_s'] / 1e6:.0f} M window pairs a second,"
         f" {row['peak_mb']:.0f} MB at most so far"
         for row in rows
     ]
@@ -184,6 +185,10 @@ def _built(clips: list[Clip], config: GraphConfig, pool: Executor | None) -> dic
     }
 
 
+def _count(number: int | None) -> str:
+    return "not counted" if number is None else str(number)
+
+
 def _exponent(sizes: list[float], values: list[float]) -> float:
     """Slope of the straight line through the logarithms."""
     return float(np.polyfit(np.log(sizes), np.log(np.maximum(values, 1e-9)), 1)[0])
@@ -239,7 +244,8 @@ def _picture(rows: list[dict[str, Any]]) -> Figure:
     times.plot(minutes, [row["distance_cpu_s"] for row in rows], "o-", label="search for minima")
     times.plot(minutes, [row["rest_cpu_s"] for row in rows], "s-", label="everything else")
     times.set_ylabel("processor time, s")
-    sizes.plot(minutes, [row["minima"] for row in rows], "o-", label="minima")
+    counted = [row["minima"] or np.nan for row in rows]
+    sizes.plot(minutes, counted, "o-", label="minima, where they are counted")
     sizes.plot(minutes, [row["transitions"] for row in rows], "s-", label="transitions kept")
     for axes in (times, sizes):
         axes.set_xscale("log")

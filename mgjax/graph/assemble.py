@@ -9,7 +9,7 @@ import numpy as np
 from mgjax.core.body.height import body_scale
 from mgjax.core.kinematics import planar_frames
 from mgjax.graph.config import GraphConfig
-from mgjax.graph.prune import (
+from mgjax.graph.pruning.prune import (
     Candidates,
 )
 from mgjax.graph.timeline import ClipTimeline

@@ -21,21 +21,21 @@ from mgjax.core.errors import ConfigError, GraphError, SkeletonError
 from mgjax.core.motion import Motion, validate_motion
 from mgjax.core.skeleton import Skeleton, validate_skeleton
 from mgjax.graph.assemble import assemble
-from mgjax.graph.blending.alignment import same_support
 from mgjax.graph.config import GraphConfig, validate_graph_config
 from mgjax.graph.distances.distance import normalised_weights
 from mgjax.graph.distances.minima import Minima
 from mgjax.graph.feet.legs import foot_chains
-from mgjax.graph.keep import keep
 from mgjax.graph.parts.connectivity import connectivity
 from mgjax.graph.parts.margins import allowed_windows
-from mgjax.graph.prune import (
+from mgjax.graph.pruning.candidates import Conditions
+from mgjax.graph.pruning.keep import keep
+from mgjax.graph.pruning.prune import (
     Candidates,
     smallest_useful_threshold,
 )
 from mgjax.graph.stages.stages import Stages
 from mgjax.graph.stages.steps import Steps
-from mgjax.graph.timeline import ClipTimeline, make_timeline
+from mgjax.graph.timeline import make_timeline
 from mgjax.graph.types import MotionGraph
 
 _STEPS = {
@@ -142,10 +142,16 @@ def build_graph(
         stages=stages,
         progress=progress,
     )
+    conditions = Conditions(timeline=timeline, allowed=allowed, window=window, config=config)
+
+    def choose(minima: Minima) -> tuple[Candidates, np.ndarray, np.ndarray]:
+        found, ok = conditions.candidates(minima.rows, minima.columns, minima.distances)
+        return found, minima.rows[ok], minima.columns[ok]
+
     with clock.step("distance"):
-        minima = steps.minima(_search_limit(config), clock.within("distance"))
+        minima, counted = steps.minima(_search_limit(config), clock.within("distance"), conditions)
     with clock.step("prune"):
-        candidates, rows, columns = _candidates(timeline, minima, allowed, window, config)
+        candidates, rows, columns = choose(minima)
         largest = minima.largest / scale
         chosen = steps.kept(
             (candidates, largest), lambda: keep(candidates, largest, window, config)
@@ -157,9 +163,8 @@ def build_graph(
                 f" {chosen.lost} labels; a larger best_per_s keeps more"
             )
         if not len(kept):
-            every = steps.minima(float("inf"), clock.within("prune"))
-            beyond = _candidates(timeline, every, allowed, window, config)[0]
-            raise _nothing_left(beyond, threshold, largest, config)
+            every, _ = steps.minima(float("inf"), clock.within("prune"), conditions)
+            raise _nothing_left(choose(every)[0], threshold, largest, config)
     with clock.step("transitions"):
         chains = None
         try:
@@ -176,9 +181,10 @@ def build_graph(
         "threshold_m": float(threshold),
         "blend": config.blend,
         "clean_feet": config.clean_feet and chains is not None,
-        "minima": len(minima.rows),
-        "candidates": len(candidates.leave),
-        "dropped_by_best_per_s": chosen.dropped,
+        # Of many clips only what may stay is looked for.
+        "minima": len(minima.rows) if counted else None,
+        "candidates": len(candidates.leave) if counted else None,
+        "dropped_by_best_per_s": chosen.dropped if counted else None,
         "labels_total": sum(len(items) for items in by_clip.values()) * (2 if config.mirror else 1)
         + timeline.between,
         "notes": notes,
@@ -237,30 +243,3 @@ def _nothing_left(
         if config.normalised is not None:
             expected += f" (normalised {rounded_up(useful / largest)})"
     return GraphError(f"got an empty graph at threshold {threshold:.6g} m, expected {expected}")
-
-
-def _candidates(
-    timeline: ClipTimeline,
-    minima: Minima,
-    allowed: tuple[np.ndarray, np.ndarray],
-    window: int,
-    config: GraphConfig,
-) -> tuple[Candidates, np.ndarray, np.ndarray]:
-    """Minima that may become transitions, and the first frames of their windows."""
-    rows, columns = minima.rows, minima.columns
-    clip_of = np.searchsorted(timeline.starts, np.arange(len(timeline.root)), side="right") - 1
-    gap = round(config.self_gap_s * config.frame_rate)
-    near = (clip_of[rows] == clip_of[columns]) & (np.abs(rows - columns) < gap)
-    ok = ~near & allowed[0][rows] & allowed[1][columns]
-    if config.contacts > 0:
-        ok &= same_support(timeline.plants, rows, columns, window) >= config.contacts
-    candidates = Candidates(
-        leave=rows[ok],
-        arrive=columns[ok] + window,
-        distances=minima.distances[ok] / body_scale(timeline.skeleton),
-        starts=timeline.starts,
-        stops=timeline.stops,
-        label_starts=timeline.core_starts,
-        label_stops=timeline.core_stops,
-    )
-    return candidates, rows[ok], columns[ok]

@@ -53,8 +53,8 @@ class GraphConfig:
         range_frames: adds the lowest pair of each block of so many by so many windows below the
             threshold to the minima; 0: none. Many more transitions, for somewhat better timing.
         best_per_s: so many of the transitions that leave one second of motion stay, the nearest to
-            each place that they lead to first (:mod:`mgjax.graph.thin`); 0: all. With it a graph
-            grows with the length of its clips, without with its square.
+            each place that they lead to first (:mod:`mgjax.graph.pruning.thin`); 0: all. With it a
+            graph grows with the length of its clips, without with its square.
         label_quiet: blends may overlap the ends of a label at which every joint is slower than this
             share of the label's own peak speed; 0: not at all.
         label_overlap: blends may overlap this share of a label's length at either end anyway: the

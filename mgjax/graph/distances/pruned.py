@@ -7,7 +7,7 @@ masks of rows and columns exchanged.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import lru_cache, partial
@@ -15,9 +15,10 @@ from functools import lru_cache, partial
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Float, Int
 
 from mgjax.core.arrays import Array
+from mgjax.core.parallel.run import run_all
 from mgjax.graph.distances.axis import Axis
 from mgjax.graph.distances.bounds import BLOCK, Components, open_blocks, project
 from mgjax.graph.distances.distance import (
@@ -25,35 +26,35 @@ from mgjax.graph.distances.distance import (
     block_distances,
     rows_of,
 )
-from mgjax.graph.distances.judge import SLACK, judge, neighbours
+from mgjax.graph.distances.judge import SLACK, lowest
 
 TILE = 2048
 """Side of the tiles whose blocks are bounded together; a multiple of BLOCK."""
 
-_CHUNK = 256
+_CHUNK = 64
 """Most blocks that one call compares."""
 
 _FAR = 1e6
 """m². Squared length of what may not be used: it is near nothing."""
 
-_TILES_KEPT = 64
+_SQUARE = 24
+"""Tiles on each side whose pairs are searched one after the other."""
+
+_TILES_KEPT = 2 * _SQUARE + 2
 """Tiles whose features are kept; those of more are computed anew."""
 
 
 @partial(jax.jit, static_argnames=("window", "reach"))
-def _blocks(
+def _block_distances(
     a: WindowFeatures,
     b: WindowFeatures,
     numbers: Int[Array, "2 N"],
     count: Array,
-    limit: Float[Array, ""],
-    slack: Float[Array, ""],
     *,
     window: int,
     reach: int,
-) -> tuple[UInt8[Array, " P"], Float[Array, " P"]]:
-    """The first ``count`` blocks of pairs with their margins, judged, and their D²;
-    P = N · (BLOCK + 2 reach)².
+) -> Float[Array, "N S S"]:
+    """D² of the first ``count`` blocks of pairs with their margins, m²; S = BLOCK + 2 reach.
 
     ``numbers``: of the blocks, by rows and by columns.
     """
@@ -66,13 +67,7 @@ def _blocks(
         return jax.lax.dynamic_update_index_in_dim(out, squared, k, 0)
 
     room = jnp.full((numbers.shape[1], size, size), _FAR, jnp.float32)
-    flat = jax.lax.fori_loop(0, count, one, room).reshape(-1)
-    # In one line a neighbour is a shift of all of it; of short rows the compiler makes slow code.
-    # What is nearer to the border than ``reach`` is judged by what happens to lie there.
-    first = reach * (size + 1)
-    inner = flat.shape[0] - 2 * first
-    shifted = [flat[first + i * size + j :][:inner] for i, j in [(0, 0), *neighbours(reach)]]
-    return jnp.pad(judge(shifted[0], shifted[1:], limit, slack), first), flat
+    return jax.lax.fori_loop(0, count, one, room)
 
 
 def _allowed(axis: Axis, number: int, *, rows: bool) -> np.ndarray:
@@ -104,68 +99,79 @@ def _alike(axis: Axis, number: int) -> np.ndarray:
 def search_pruned(
     axis: Axis,
     limit: float,
+    pairs: Sequence[tuple[int, int]],
     *,
-    watched: Callable[[list[tuple[int, int]]], Iterable[tuple[int, int]]],
+    limits: Callable[[], Float[np.ndarray, " F"]] | None = None,
     threads: int | None = None,
-    pairs: Sequence[tuple[int, int]] | None = None,
     components: Components | None = None,
-) -> np.ndarray:
-    """Every pair that may be a local minimum.
+) -> Iterator[Float[np.ndarray, "4 M"]]:
+    """Every pair that may be a local minimum, one pair of tiles after the other.
 
     Args:
         axis: of all clips.
         limit: m², finite.
-        watched: goes through pairs of tiles, and tells how far it is.
+        pairs: of tiles that are searched, the first no later than the second.
+        limits: what a pair has to be below by the frame that its row begins at, m², no more than
+            ``limit``; asked before each pair of tiles, since it may go down. None: ``limit``.
         threads: tiles that are searched at the same time; None: as many as there are processors.
-        pairs: of tiles that are searched, the first no later than the second; None: all.
         components: of the bounds; None: those of the axis itself.
 
-    Returns:
-        Rows, columns, judgements and D², m². [4, M]
+    Yields:
+        Rows, columns, judgements and D², m². Pairs above their ``limits`` may be among them.
     """
-    reach, window = axis.margin, axis.window
-    side = BLOCK + 2 * reach
-    count = axis.tiles(TILE)
-    # Bounds begin behind the margin, where the first block does.
-    projected, longest = project(axis, count * TILE + reach, TILE, components)
-    bounds = jnp.asarray(projected[:, reach:])
-    features = lru_cache(maxsize=_TILES_KEPT)(partial(_features, axis))
+    search = _Search(axis, limit, limits, components)
     # Of the thread that asks, for those of the pool.
     device = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]
 
-    def compare(first: int, second: int, numbers: np.ndarray, rows: bool) -> np.ndarray:
-        """Pairs of blocks: as rows and columns, or as columns and rows. [4, M]"""
-        found = [np.zeros((4, 0))]
-        a, b = features(first)[not rows], features(second)[rows]
-        for begin in range(0, numbers.shape[1], _CHUNK):
-            part = numbers[:, begin : begin + _CHUNK]
-            judged, squared = (
-                np.asarray(values)
-                for values in _blocks(
-                    a,
-                    b,
-                    jnp.asarray(np.pad(part, ((0, 0), (0, _CHUNK - part.shape[1])))),
-                    jnp.int32(part.shape[1]),
-                    jnp.float32(limit),
-                    jnp.float32(SLACK * longest),
-                    window=window,
-                    reach=reach,
-                )
-            )
-            where = np.flatnonzero(judged)
-            block, r, c = np.unravel_index(where, (_CHUNK, side, side))
-            inner = (np.minimum(r, c) >= reach) & (np.maximum(r, c) < reach + BLOCK)
-            where, block, r, c = (x[inner] for x in (where, block, r, c))
-            row = first * TILE + part[0, block] * BLOCK + r
-            column = second * TILE + part[1, block] * BLOCK + c
-            each = (row, column, judged[where], squared[where])
-            found.append(np.stack([values.astype(float) for values in each]))
-        return np.concatenate(found, axis=1)
+    def there(pair: tuple[int, int]) -> np.ndarray:
+        with jax.default_device(device):
+            return search.found(*pair)
 
-    def search(pair: tuple[int, int]) -> np.ndarray:
-        first, second = pair
+    count = threads or os.cpu_count() or 1
+    with ThreadPoolExecutor(count) as pool:
+        for _, found in run_all(pool, there, pairs, ahead=2 * count):
+            yield found
+
+
+def tile_pairs(axis: Axis) -> list[tuple[int, int]]:
+    """All pairs of tiles, the first no later than the second: squares of ``_SQUARE`` tiles whose
+    features are kept, those near the diagonal first, so that all rows are met early."""
+    count = axis.tiles(TILE)
+    return [
+        (first, second)
+        for apart in range(0, count, _SQUARE)
+        for i in range(0, count - apart, _SQUARE)
+        for first in range(i, min(i + _SQUARE, count))
+        for second in range(max(first, i + apart), min(i + apart + _SQUARE, count))
+    ]
+
+
+class _Search:
+    """What all pairs of tiles have in common."""
+
+    def __init__(
+        self,
+        axis: Axis,
+        limit: float,
+        limits: Callable[[], np.ndarray] | None,
+        components: Components | None,
+    ) -> None:
+        self._axis, self._limit, self._limits = axis, limit, limits
+        # Bounds begin behind the margin, where the first block does.
+        size = axis.tiles(TILE) * TILE + axis.margin
+        projected, longest = project(axis, size, TILE, components)
+        self._bounds = jnp.asarray(projected[:, axis.margin :])
+        self._slack = SLACK * longest
+        self._features = lru_cache(maxsize=_TILES_KEPT)(partial(_features, axis))
+
+    def found(self, first: int, second: int) -> Float[np.ndarray, "4 M"]:
+        """Pairs of two tiles that may be minima, both ways round."""
+        axis, limits = self._axis, self._limits() if self._limits else None
+        of_rows, of_columns = (self._tile_limits(number, limits) for number in (first, second))
+        inner = slice(axis.margin, axis.margin + TILE)
         places = jnp.int32(first * TILE), jnp.int32(second * TILE)
-        opened = np.asarray(open_blocks(bounds, *places, jnp.float32(limit), tile=TILE))
+        both = jnp.asarray(np.stack([of_rows[inner], of_columns[inner]]), jnp.float32)
+        opened = np.asarray(open_blocks(self._bounds, *places, both, tile=TILE))
         if first == second:
             opened = np.triu(opened)
         alike = _alike(axis, first)[:, None] & _alike(axis, second)[None, :]
@@ -176,30 +182,58 @@ def search_pruned(
             opened & ~alike & ~diagonal,
             opened & diagonal,
         )
-        chosen = [np.stack(np.nonzero(x)).astype(np.int32) for x in (once, twice, still)]
-        both = compare(first, second, chosen[0], True)
-        return np.concatenate(
-            [
-                both,
-                both[[1, 0, 2, 3]],
-                compare(first, second, chosen[1], True),
-                compare(first, second, chosen[1], False)[[1, 0, 2, 3]],
-                compare(first, second, chosen[2], True),
-            ],
-            axis=1,
-        )
+        found = [self._compare(first, second, once, of_rows, of_columns)]
+        found.append(found[0][[1, 0, 2, 3]])
+        found.append(self._compare(first, second, twice, of_rows, of_columns))
+        back = self._compare(first, second, twice, of_rows, of_columns, turned=True)
+        found.append(back[[1, 0, 2, 3]])
+        found.append(self._compare(first, second, still, of_rows, of_columns))
+        return np.concatenate(found, axis=1)
 
-    def there(pair: tuple[int, int]) -> np.ndarray:
-        with jax.default_device(device):
-            return search(pair)
+    def _tile_limits(self, number: int, limits: np.ndarray | None) -> Float[np.ndarray, " T"]:
+        """Of the entries of a tile with its margins, m²; 0 where no window begins."""
+        size = TILE + 2 * self._axis.margin
+        frames = self._axis.frames[number * TILE : number * TILE + size]
+        known = np.full(len(frames), self._limit) if limits is None else limits[frames]
+        return np.pad(np.where(frames >= 0, known, 0.0), (0, size - len(frames)))
 
-    if pairs is None:
-        pairs = [(i, j) for i in range(count) for j in range(i, count)]
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        futures = [pool.submit(there, pair) for pair in pairs]
-        try:
-            found = [futures[k].result() for k, _ in enumerate(watched(list(pairs)))]
-            return np.concatenate([np.zeros((4, 0)), *found], axis=1)
-        finally:
-            for future in futures:
-                future.cancel()
+    def _compare(
+        self,
+        first: int,
+        second: int,
+        chosen: np.ndarray,
+        of_rows: np.ndarray,
+        of_columns: np.ndarray,
+        *,
+        turned: bool = False,
+    ) -> np.ndarray:
+        """Pairs of the chosen blocks: as rows and columns, or as columns and rows. [4, M]"""
+        reach = self._axis.margin
+        blocks = np.stack(np.nonzero(chosen)).astype(np.int32)
+        found = [np.zeros((4, 0))]
+        a, b = self._features(first)[turned], self._features(second)[not turned]
+        highest = [_highest(each, reach) for each in (of_rows, of_columns)]
+        for begin in range(0, blocks.shape[1], _CHUNK):
+            part = blocks[:, begin : begin + _CHUNK]
+            padded = np.pad(part, ((0, 0), (0, _CHUNK - part.shape[1])))
+            squared = _block_distances(
+                a,
+                b,
+                jnp.asarray(padded),
+                jnp.int32(part.shape[1]),
+                window=self._axis.window,
+                reach=reach,
+            )
+            below = np.maximum(highest[0][part[0]], highest[1][part[1]])
+            block, r, c, judged, values = lowest(
+                np.asarray(squared)[: part.shape[1]], reach, self._limit, self._slack, below
+            )
+            row = first * TILE + part[0, block] * BLOCK + r
+            column = second * TILE + part[1, block] * BLOCK + c
+            found.append(np.stack([row, column, judged, values]).astype(float))
+        return np.concatenate(found, axis=1)
+
+
+def _highest(limits: np.ndarray, reach: int) -> np.ndarray:
+    """Of each block of a tile. [TILE / BLOCK]"""
+    return limits[reach : reach + TILE].reshape(-1, BLOCK).max(axis=1)

@@ -7,7 +7,7 @@ them differently beside other clips.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,6 +34,8 @@ class BlockTask:
         weights: of the joints. [J]
         window, neighbourhood, limit: of :func:`mgjax.graph.distances.minima.find_minima`; the
             limit in m², finite.
+        limits: what a minimum has to be below by the frame that its row begins at, m². 1 or 2 ×
+            [G]
         grain: of squared distances, m², the same for all blocks.
         components: of bounds; they decide how quickly the minima are found, not which.
         part: which ``PART`` of the pairs of tiles.
@@ -47,6 +49,7 @@ class BlockTask:
     window: int
     neighbourhood: int
     limit: float
+    limits: tuple[np.ndarray, ...]
     grain: float
     components: Components
     part: int
@@ -57,32 +60,36 @@ def search_block(task: BlockTask) -> dict[str, np.ndarray]:
 
     Returns:
         ``rows`` and ``columns``, frames where windows begin, counted through both groups, and
-        ``squared``, their D², m². [M]
+        ``squared``, their D², m². [M] ``below``, the limits that they were looked for
+        below, m², each for the frames before ``until``. [N]
     """
     axis, tiles = _block_axis(task)
     pairs = tile_pairs(tiles)[task.part * PART : (task.part + 1) * PART]
 
-    def watched(tiles: list[tuple[int, int]]) -> Iterator[tuple[int, int]]:
-        yield from tiles
-
-    found = search_pruned(
+    limits = np.concatenate(task.limits)
+    each = search_pruned(
         axis,
         task.limit,
-        watched=watched,
+        pairs,
+        limits=lambda: limits,
         threads=threads(),
-        pairs=pairs,
         components=task.components,
     )
+    found = np.concatenate([np.zeros((4, 0)), *each], axis=1)
     rows, columns, judged = found[:3].astype(np.int64)
     squared = np.zeros(len(rows))
     unsure = judged == MAYBE
     squared[unsure] = settle(axis, rows[unsure], columns[unsure], task.limit)
     squared[~unsure] = _measured(axis, rows[~unsure], columns[~unsure])
-    kept = squared < task.limit
+    # A pair that was found for the sake of its column may be above the limit of its row.
+    kept = (squared < task.limit) & (squared <= limits[axis.frames[rows]])
+    until = np.append(np.flatnonzero(np.diff(limits)) + 1, len(limits))
     return {
         "rows": axis.frames[rows[kept]].astype(np.int32),
         "columns": axis.frames[columns[kept]].astype(np.int32),
         "squared": squared[kept],
+        "until": until.astype(np.int32),
+        "below": limits[until - 1],
     }
 
 

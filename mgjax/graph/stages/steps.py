@@ -13,7 +13,9 @@ from mgjax.core.body.height import body_scale
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.distances.minima import Minima, find_minima
 from mgjax.graph.feet.legs import FootChains
-from mgjax.graph.keep import Kept
+from mgjax.graph.pruning.candidates import Conditions
+from mgjax.graph.pruning.keep import Kept
+from mgjax.graph.pruning.shortlist import best_of_seconds
 from mgjax.graph.stages.groups import Group, corpus_groups
 from mgjax.graph.stages.minima import staged_minima
 from mgjax.graph.stages.stages import Stages
@@ -59,13 +61,15 @@ class Steps:
         masks = self.allowed if self.config.minima == "allowed" else ()
         return corpus_groups(self.timeline, masks, self.stages, gap=self.config.neighbourhood)
 
-    def minima(self, limit: float, watch: Watch) -> Minima:
-        """Minima below a limit for an adult, m. What bounds do not serve is found in one piece."""
+    def minima(self, limit: float, watch: Watch, conditions: Conditions) -> tuple[Minima, bool]:
+        """Minima below a limit for an adult, m, and whether they are all that there are, or those
+        that may stay. What bounds do not serve is found in one piece."""
         leave, arrive = self.allowed if self.config.minima == "allowed" else (None, None)
         # What is nearest to the limit is decided by the caller.
         threshold = body_scale(self.timeline.skeleton) * limit * (1 + 1e-12)
+        shortlist = best_of_seconds(conditions, threshold**2) if np.isfinite(limit) else None
         if self.stages is None or not np.isfinite(limit) or self.config.range_frames:
-            return find_minima(
+            found = find_minima(
                 self.timeline.positions,
                 self.timeline.starts,
                 self.timeline.stops,
@@ -76,10 +80,12 @@ class Steps:
                 leave=leave,
                 arrive=arrive,
                 thinned=self.config.range_frames,
+                shortlist=shortlist,
                 progress=self.progress,
                 watch=watch,
             )
-        return staged_minima(
+            return found, shortlist is None
+        found = staged_minima(
             self.timeline,
             self._groups,
             self.weights,
@@ -89,9 +95,11 @@ class Steps:
             threshold=threshold,
             leave=leave,
             arrive=arrive,
+            shortlist=shortlist,
             progress=self.progress,
             watch=watch,
         )
+        return found, shortlist is None
 
     def kept(self, of: Any, make: Callable[[], Kept]) -> Kept:
         """What is kept of the candidates, as ``make`` finds it; ``of`` is all that it depends on

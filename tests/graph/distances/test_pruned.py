@@ -131,7 +131,11 @@ def test_no_block_is_closed_that_has_a_pair_below():
     for limit in (0.02**2, 0.08**2, 0.2**2):
         opened = np.asarray(
             bounds.open_blocks(
-                jnp.asarray(projected), jnp.int32(0), jnp.int32(0), jnp.float32(limit), tile=side
+                jnp.asarray(projected),
+                jnp.int32(0),
+                jnp.int32(0),
+                jnp.full((2, side), limit, jnp.float32),
+                tile=side,
             )
         )
         count = side // bounds.BLOCK
@@ -177,3 +181,13 @@ def test_real_capture(capture):
             for way in ("all", "pruned")
         ]
         assert same(*found) > 0
+
+
+@pytest.mark.parametrize("square", [1, 3, 24])
+def test_each_pair_of_tiles_is_searched_once(monkeypatch, square):
+    monkeypatch.setattr(pruned, "_SQUARE", square)
+    for length in (20, 70, 500):
+        axis = axis_of(marches(length))
+        pairs = pruned.tile_pairs(axis)
+        count = axis.tiles(SIDE)
+        assert sorted(pairs) == [(i, j) for i in range(count) for j in range(i, count)]

@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Int
 
 from mgjax.graph.config import GraphConfig
-from mgjax.graph.prune import Candidates, choose_threshold, largest_component
-from mgjax.graph.thin import best_per_second
+from mgjax.graph.pruning.prune import Candidates, choose_threshold, largest_component
+from mgjax.graph.pruning.thin import best_per_second
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Int
 
-from mgjax.graph.prune import Candidates
+from mgjax.graph.pruning.prune import Candidates
 
 
 def best_per_second(
@@ -32,17 +32,36 @@ def best_per_second(
         most: so many stay for each second; 0: all.
         second: frames of a second.
     """
-    c = candidates
-    stays = np.arange(len(c.leave)) < count
-    if not most:
-        return stays
-    leave, arrive = c.leave[:count], c.arrive[:count] - window
-    clip = np.searchsorted(c.starts, leave, side="right") - 1
-    moment = (leave - c.starts[clip]) // second
-    turn = _turn(clip, moment, _leads_to(c, arrive))
-    order = np.argsort(turn, kind="stable")
-    stays[order] = _turn(clip[order], moment[order]) < most
+    stays = np.arange(len(candidates.leave)) < count
+    if most:
+        best = candidates.subset(stays)
+        stays[:count] = turns(best, window, most=most, second=second)[1]
     return stays
+
+
+def turns(
+    candidates: Candidates, window: int, *, most: int, second: int
+) -> tuple[Int[np.ndarray, " M"], Bool[np.ndarray, " M"]]:
+    """How many nearer ones lead from a candidate's second to its place, and whether it stays.
+
+    Args: those of :func:`best_per_second`; ``most`` is at least 1.
+    """
+    number = seconds_of(candidates, candidates.leave, second)[1]
+    turn = _turn(number, _leads_to(candidates, candidates.arrive - window))
+    order = np.argsort(turn, kind="stable")
+    stays = np.zeros(len(turn), bool)
+    stays[order] = _turn(number[order]) < most
+    return turn, stays
+
+
+def seconds_of(
+    candidates: Candidates, frames: Int[np.ndarray, " N"], second: int
+) -> tuple[int, Int[np.ndarray, " N"]]:
+    """How many seconds all clips have, each counted from its start, and in which a frame lies."""
+    starts, stops = candidates.starts, candidates.stops
+    before = np.concatenate([[0], np.cumsum(-(-(stops - starts) // second))])
+    clip = np.searchsorted(starts, frames, side="right") - 1
+    return int(before[-1]), before[clip] + (frames - starts[clip]) // second
 
 
 def _leads_to(c: Candidates, arrive: Int[np.ndarray, " M"]) -> Int[np.ndarray, " M"]:

@@ -8,8 +8,8 @@ import pytest
 from mgjax.clips.synthetic import synthetic_clips
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
-from mgjax.graph.prune import Candidates
-from mgjax.graph.thin import best_per_second
+from mgjax.graph.pruning.prune import Candidates
+from mgjax.graph.pruning.thin import best_per_second
 
 WINDOW = 10
 SECOND = 30

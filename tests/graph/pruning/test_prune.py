@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mgjax.core.errors import GraphError
-from mgjax.graph.prune import (
+from mgjax.graph.pruning.prune import (
     Candidates,
     choose_threshold,
     largest_component,
@@ -201,7 +201,7 @@ def test_smallest_useful_threshold(c):
 
 def test_many_candidates_take_few_components(monkeypatch):
     """Thousands of transitions, of which the automatic threshold needs a few dozen looks."""
-    from mgjax.graph import prune
+    from mgjax.graph.pruning import prune
 
     rng = np.random.default_rng(0)
     frames = rng.integers(1, 999, size=(3000, 2))

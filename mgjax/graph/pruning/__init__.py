@@ -1,0 +1,1 @@
+"""Which minima of the distance become the transitions of a graph."""
