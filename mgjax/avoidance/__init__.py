@@ -41,6 +41,9 @@ if TYPE_CHECKING:
     from mgjax.avoidance.energy.energies import energies as energies
     from mgjax.avoidance.energy.energies import energies_batch as energies_batch
     from mgjax.avoidance.energy.score import Energy as Energy
+    from mgjax.avoidance.energy.score import Measures as Measures
+    from mgjax.avoidance.energy.score import Scores as Scores
+    from mgjax.avoidance.energy.score import score as score
     from mgjax.avoidance.energy.soft import soft_energies as soft_energies
     from mgjax.avoidance.index.build import build_index as build_index
     from mgjax.avoidance.index.files import load_index as load_index
@@ -91,6 +94,9 @@ else:
             "energies_batch": "mgjax.avoidance.energy.energies",
             "soft_energies": "mgjax.avoidance.energy.soft",
             "Energy": "mgjax.avoidance.energy.score",
+            "Measures": "mgjax.avoidance.energy.score",
+            "Scores": "mgjax.avoidance.energy.score",
+            "score": "mgjax.avoidance.energy.score",
             "EnergyConfig": "mgjax.avoidance.energy.energies",
             "FoundPaths": "mgjax.avoidance.index.found_paths",
             "GridIndex": "mgjax.avoidance.index.index",

@@ -90,7 +90,14 @@ ROWS = tuple(field.name for kind in (Measures, Scores) for field in fields(kind)
 
 
 def score(measures: Measures, config: EnergyConfig) -> Scores:
-    """The energies of candidates, and their weighted sum (eqs 6, 8–10)."""
+    """The energies of candidates, and their weighted sum (eqs 6, 8–10).
+
+    Differentiable with respect to the measures and to all numbers of the settings.
+
+    Args:
+        measures: of candidates, of whatever shape.
+        config: forms, scales and weights.
+    """
     avoidance = avoidance_energy(measures.penetration, config.E_avoidance)
     body = body_energy(measures.d, measures.d0, config)
     movement = movement_energy(measures.displacement, config.D_move)
