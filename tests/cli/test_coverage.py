@@ -44,7 +44,7 @@ def test_text(built: tuple[Path, Ran], tmp_path: Path) -> None:
 
 
 def test_defaults_are_those_of_the_function() -> None:
-    defaults = inspect.signature(room.coverage).parameters
+    defaults = inspect.signature(room.measure_coverage).parameters
     for name in ("directions", "heights", "arrivals", "nodes", "seed", "speed"):
         assert getattr(Coverage, name) == defaults[name].default
 
