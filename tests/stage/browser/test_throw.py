@@ -11,7 +11,8 @@ from PIL import Image
 
 from mgjax.io.load import load_motion
 
-WAIT = 60_000
+WAIT = 240_000
+"""ms. A first throw may wait for programs that are compiled beside other work."""
 BODY = """() => {
   const { stage } = mgjax;
   const actor = stage.scene.actors.get('character0');
