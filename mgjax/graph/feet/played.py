@@ -26,7 +26,7 @@ from mgjax.graph.feet.posed import leg_lengths, posed, reach_of
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, WalkFrames, frames_at, sample_walk
 
-FRAMES = 384
+FRAMES = 512
 """Frames that a call is compiled for, and eight times as many, …; only lots that are needed are
 computed."""
 LOT = 32
