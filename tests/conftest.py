@@ -14,14 +14,12 @@ from pathlib import Path
 
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # before anything imports jax
 
-import jaxtyping
-
 if "mgjax" in sys.modules:
     raise RuntimeError("mgjax was imported before its import hook: shapes would go unchecked")
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-import tests.hook  # noqa: F401  (the hook finds it by name)
+from tests import hook
 
-jaxtyping.install_import_hook("mgjax", "tests.hook.check")
+hook.install()
 
 import hypothesis
 import jax
@@ -55,6 +53,11 @@ hypothesis.settings.register_profile(
 hypothesis.settings.load_profile("ci" if os.environ.get("CI") else "local")
 
 ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup() -> None:
+    hook.begin_test()
 
 
 @pytest.hookimpl(trylast=True)

@@ -25,6 +25,19 @@ DIRECTIONS = 16
 NODES = 256
 """At how many nodes of the graph."""
 
+_ENERGY: Ranges = {
+    "E_avoidance": (1e-9, 1e9),
+    "D_body": (1e-9, 1e9),
+    "D_move": (1e-9, 1e9),
+    "E_time": (1.0, 1e6),
+    "E_fast": (1.0, 1e6),
+    "w_a": (0.0, 1e9),
+    "w_b": (0.0, 1e9),
+    "w_m": (0.0, 1e9),
+    "w_t": (0.0, 1e9),
+    "w_speed_up": (0.0, 1e9),
+}
+
 
 @dataclass(frozen=True, kw_only=True)
 class EnergyConfig:
@@ -74,6 +87,9 @@ class EnergyConfig:
     w_m: Number = 3.0
     w_t: Number = 1.0
     w_speed_up: Number = 4.0
+
+    def __post_init__(self) -> None:
+        check_ranges(self, _ENERGY, "energy.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,16 +177,6 @@ _RANGES: Ranges = {
     "parry_radius_m": (0.0, 10.0),
     "capacity": (1, 1_000_000),
     "checks": (1, 1_000_000),
-    "energy.E_avoidance": (1e-9, 1e9),
-    "energy.D_body": (1e-9, 1e9),
-    "energy.D_move": (1e-9, 1e9),
-    "energy.E_time": (1.0, 1e6),
-    "energy.E_fast": (1.0, 1e6),
-    "energy.w_a": (0.0, 1e9),
-    "energy.w_b": (0.0, 1e9),
-    "energy.w_m": (0.0, 1e9),
-    "energy.w_t": (0.0, 1e9),
-    "energy.w_speed_up": (0.0, 1e9),
     "speed.V_fast": (0.0, math.inf),
     "speed.V_slow": (0.0, math.inf),
     "speed.V_still": (0.0, math.inf),

@@ -11,9 +11,11 @@ from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
 from mgjax.avoidance.body.poses import GraphPoses, PosedGraph, body_reach, graph_poses
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig, for_body, validate_config
 from mgjax.avoidance.culling.pictures import Slices, build_slices
+from mgjax.avoidance.index.index import GridIndex
 from mgjax.avoidance.index.protocol import CandidateIndex
-from mgjax.core.errors import ConfigError
+from mgjax.core.errors import ConfigError, GraphError
 from mgjax.graph.cache import cached
+from mgjax.graph.fingerprint import fingerprint
 from mgjax.graph.types import MotionGraph
 
 
@@ -53,12 +55,13 @@ def prepare(
     anything beside it.
 
     Args:
-        graph: a motion graph; without labelled avoidance parts there will be no candidates.
+        graph: a motion graph with labelled avoidance parts.
         config: settings; ``body_rate``, ``speed`` and ``culling`` decide what is made.
         index: the graph's grid index, from which candidates are looked up.
 
     Raises:
-        ConfigError: a setting out of range.
+        ConfigError: a setting out of range, or the index of another graph.
+        GraphError: no avoidance parts.
         SkeletonError: the skeleton lacks a limb that the body's spheres are fixed to.
     """
     config = config or AvoidanceConfig()
@@ -74,7 +77,9 @@ def prepared_for(
     """What was prepared, or what is kept for a graph; an ``index`` replaces that of the former.
 
     Raises:
-        ConfigError: a setting out of range, or other than those it was prepared with.
+        ConfigError: a setting out of range, or other than those it was prepared with; the index of
+            another graph.
+        GraphError: no avoidance parts.
     """
     validate_config(config)
     if isinstance(graph, Prepared):
@@ -99,6 +104,11 @@ class _Made:
 
 
 def _make(graph: MotionGraph, config: AvoidanceConfig) -> _Made:
+    if not graph.label_kind:
+        raise GraphError(
+            got="a graph without avoidance parts",
+            expected="labelled clips: build_graph(clips, labels=…)",
+        )
     tables = edge_tables(graph, config.body_rate)
     poses = graph_poses(graph, tables.spheres)
     reach = body_reach(graph.skeleton, tables.spheres)
@@ -118,6 +128,8 @@ def _joined(
     slices: Slices | None,
     index: CandidateIndex | None,
 ) -> Prepared:
+    if isinstance(index, GridIndex) and index.fingerprint != fingerprint(graph):
+        raise ConfigError(got="the index of another graph", expected="build_index of this one")
     return Prepared(
         graph=graph,
         body_rate=config.body_rate,

@@ -51,6 +51,10 @@ class FileFormatError(MgjaxError):
         super().__init__(got=got, expected=expected, place=place)
 
 
+class ArgumentError(MgjaxError, TypeError):
+    """An argument of a call that is of another kind or shape than the function takes."""
+
+
 class SkeletonError(MgjaxError):
     """A skeleton that lacks a joint that is needed, or differs from the one it must equal."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import jax
 import numpy as np
 from jaxtyping import Float
 
@@ -14,6 +15,9 @@ from mgjax.core.errors import MotionError
 from mgjax.core.shown import Shown, like, made_of
 from mgjax.core.skeleton import Skeleton
 from mgjax.core.xla.pytree import register
+
+MOST_OFF = 0.01
+"""Of the squared length of a quaternion from 1."""
 
 
 @register("frame_rate")
@@ -46,7 +50,11 @@ class Motion(Shown):
 
 
 def validate_motion(skeleton: Skeleton, motion: Motion) -> None:
-    """Raises :class:`MotionError` unless the motion fits the skeleton and is finite."""
+    """Raises :class:`MotionError` unless a motion is finite and fits the skeleton."""
+    for name in ("root_translation", "local_rotations"):
+        if not isinstance(getattr(motion, name), np.ndarray | jax.Array):
+            kind = type(getattr(motion, name)).__name__
+            raise MotionError(got=f"{name} as a {kind}", expected="an array")
     frames, joints = motion.root_translation.shape[0], skeleton.num_joints
     if motion.local_rotations.shape != (frames, joints, 4):
         raise MotionError(
@@ -68,6 +76,15 @@ def validate_motion(skeleton: Skeleton, motion: Motion) -> None:
         finite = np.isfinite(np.asarray(values)).reshape(frames, -1).all(axis=1)
         if not finite.all():
             raise MotionError(f"{name} is not finite in frame {int(np.argmin(finite))}")
+    rotations = np.asarray(motion.local_rotations)
+    off = np.abs((rotations * rotations).sum(-1) - 1) > MOST_OFF
+    if off.any():
+        frame, joint = np.argwhere(off)[0].tolist()
+        length = float(np.linalg.norm(rotations[frame, joint]))
+        raise MotionError(
+            got=f"a quaternion of length {length:.3g} at joint {joint} in frame {frame}",
+            expected="unit quaternions, wxyz",
+        )
 
 
 def cut(motion: Motion, start: int, stop: int) -> Motion:

@@ -16,6 +16,10 @@ from mgjax.core.errors import AttackError
 
 GRAVITY_M_S2 = 9.8
 MAX_GRAVITY_M_S2 = 100.0
+FAR_M = 100.0
+"""No place of a throw is farther from the character, in any direction."""
+MOST = {"speed": 150.0, "arrival": 1000.0, "radius": 3.0}
+"""Faster than any serve, larger than any ball: beyond are other units."""
 
 
 BEYOND_M = 3.0
@@ -58,16 +62,18 @@ def ball_attack(
         AttackError: a number out of range, or a place that the throw cannot reach.
     """
     a, b = np.asarray(start, dtype=np.float64), np.asarray(at, dtype=np.float64)
-    numbers = {"speed": speed, "arrival": arrives, "radius": radius}
-    for name, value in numbers.items():
-        if not (np.isfinite(value) and 0 < value <= 1000):
-            raise AttackError(got=f"{name} {value:g}", expected="more than 0 and at most 1000")
+    numbers = {"speed": (speed, "m/s"), "arrival": (arrives, "s"), "radius": (radius, "m")}
+    for name, (value, unit) in numbers.items():
+        if not (np.isfinite(value) and 0 < value <= MOST[name]):
+            raise AttackError(
+                got=f"{name} {value:g}", expected=f"more than 0 and at most {MOST[name]:g} {unit}"
+            )
     if not 0 <= drag <= MAX_DRAG:
         raise AttackError(got=f"drag {drag:g} per second", expected=f"0 … {MAX_DRAG:g}")
     for name, place in (("start", a), ("target", b)):
-        if place.shape != (3,) or not np.isfinite(place).all() or np.abs(place).max() > 1000:
+        if place.shape != (3,) or not np.isfinite(place).all() or np.abs(place).max() > FAR_M:
             raise AttackError(
-                got=f"{name} {place.tolist()}", expected="three numbers within 1000 m"
+                got=f"{name} {place.tolist()}", expected=f"three numbers within {FAR_M:g} m"
             )
         if place[1] < 0:
             raise AttackError(got=f"a {name} {-place[1]:g} m under the floor", expected="y ≥ 0")

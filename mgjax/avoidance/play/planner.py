@@ -20,6 +20,7 @@ from mgjax.avoidance.play.several_attacks import JointPath, find_path
 from mgjax.avoidance.play.timeline import PlacedChange, Timeline
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.core.door import checked
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.core.motion import Motion
 from mgjax.graph.feet.course import turned
@@ -67,6 +68,7 @@ class Planner:
             :meth:`advance` or :meth:`attack`.
     """
 
+    @checked
     def __init__(
         self,
         graph: MotionGraph | Prepared,
@@ -99,6 +101,7 @@ class Planner:
         self._pending: tuple[Thrown, Ticket, float] | None = None
         self._advance(begin)
 
+    @checked
     def frame(self, when: float | None = None) -> Motion:
         """The pose at ``when`` seconds, default now, in the world, as a motion of one frame.
 
@@ -117,6 +120,7 @@ class Planner:
         self._advance(float(self._clock.now()))
         return self.timeline.deadline
 
+    @checked
     def configure(self, config: AvoidanceConfig) -> None:
         """Searches that begin from now on have these settings.
 
@@ -126,6 +130,7 @@ class Planner:
         self._prepared = prepared_for(self._prepared, config)
         self._config = config
 
+    @checked
     def attack(self, attack: Attack) -> int:
         """Makes an attack known now; returns its number.
 

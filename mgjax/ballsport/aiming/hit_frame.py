@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.ballsport.aiming.passes import PAPER, check_bounces
+from mgjax.ballsport.aiming.passes import PAPER, check_asked
 from mgjax.ballsport.aiming.problem import FIRST_CONTACT, AimProblem, flight_arcs, make_problem
 from mgjax.ballsport.aiming.solve import Aim, solve
 from mgjax.ballsport.aiming.updates import SECOND
@@ -65,7 +65,7 @@ def choose_frame(
     scales: tuple[float, float] = SCALES,
     max_speed: Number = MAX_SPEED_M_S,
     net: Net | None = None,
-    flight_time: Number = None,
+    flight_time: Number | None = None,
     time_weight: Number = SECOND,
 ) -> HitChoice:
     """Chooses the hit frame in S_B and aims from it (Choi et al. 2019, §4, Table 1 and Fig. 6).
@@ -92,7 +92,7 @@ def choose_frame(
     Raises:
         ConfigError: no frame, bounces or scales out of range.
     """
-    check_bounces(bounces)
+    check_asked(bounces, max_speed, time_weight, flight_time)
     count = len(positions)
     chosen = np.ones(count, bool) if mask is None else np.asarray(mask)
     if not chosen.any():

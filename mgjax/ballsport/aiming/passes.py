@@ -24,6 +24,7 @@ from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
 from mgjax.ballsport.config import MAX_SPEED_M_S, MOST_BOUNCES
 from mgjax.core.arrays import Array
 from mgjax.core.errors import ConfigError
+from mgjax.core.ranges import check_range
 from mgjax.core.xla.padding import bucket_size, pad_axis
 
 PAPER = BallPhysics()
@@ -39,7 +40,7 @@ def aim(
     physics: BallPhysics = PAPER,
     max_speed: Number = MAX_SPEED_M_S,
     net: Net | None = None,
-    flight_time: Number = None,
+    flight_time: Number | None = None,
     time_weight: Number = SECOND,
 ) -> Aim:
     """The launch near ``guess`` from which the ball meets ``target`` after just these bounces.
@@ -75,9 +76,9 @@ def aim(
         time_weight: what a second of flight time counts beside a m/s, m/s².
 
     Raises:
-        ConfigError: bounces out of range.
+        ConfigError: bounces, speed, weight or time out of range.
     """
-    check_bounces(bounces)
+    check_asked(bounces, max_speed, time_weight, flight_time)
     wanted = np.nan if flight_time is None else flight_time
     shared = time_weight, max_speed, net, physics
     return _aim(start, target, guess, wanted, shared, int(bounces))
@@ -101,9 +102,9 @@ def aim_batch(
     approach.
 
     Raises:
-        ConfigError: bounces out of range.
+        ConfigError: bounces, speed, weight or time out of range.
     """
-    check_bounces(bounces)
+    check_asked(bounces, max_speed, time_weight)
     wanted = np.full(len(starts), np.nan) if flight_times is None else flight_times
     passes: tuple[Any, ...] = starts, targets, guesses, wanted
     items = [np.asarray(a, np.float32) for a in passes]
@@ -162,8 +163,14 @@ def _nearest(
     return jax.vmap(one)(starts, targets, guesses, wanted, reasons)
 
 
-def check_bounces(bounces: int) -> None:
-    """Raises :class:`ConfigError` unless so many bounces can be asked for."""
+def check_asked(
+    bounces: int, max_speed: Number, time_weight: Number, flight_time: Number | None = None
+) -> None:
+    """Raises :class:`ConfigError` unless a pass can be asked for so."""
+    check_range("max_speed", max_speed, 0.0, 1000.0)
+    check_range("time_weight", time_weight, 0.0, 1e6)
+    if flight_time is not None:
+        check_range("flight_time", flight_time, 0.0, 1000.0)
     is_whole = isinstance(bounces, int | np.integer) and not isinstance(bounces, bool)
     if not (is_whole and 0 <= bounces <= MOST_BOUNCES):
         raise ConfigError(f"got bounces = {bounces!r}, expected 0 … {MOST_BOUNCES}")

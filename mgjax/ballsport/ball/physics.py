@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Literal
 
 from mgjax.core.errors import ConfigError
 from mgjax.core.ranges import Ranges, check_ranges
-
-Number: TypeAlias = Any
-"""A Python float, or a jax scalar: settings that are traced, so that sweeps and gradients go
-through them without a new compilation."""
+from mgjax.core.traced import Number
 
 _PHYSICS: Ranges = {
     "gravity": (1e-3, 1e3),

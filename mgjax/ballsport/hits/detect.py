@@ -189,6 +189,8 @@ def find_hits(
     """
     config = config or AnalysisConfig()
     validate_analysis(config)
+    if not 0 < frame_rate <= 10000:
+        raise MotionError(got=f"frame rate {frame_rate:g}", expected="0 … 10000 per second")
     if len(positions) < 3 or not np.isfinite(positions).all():
         raise MotionError(
             f"got {len(positions)} frames with {int((~np.isfinite(positions)).sum())} values that"

@@ -16,6 +16,7 @@ from jax import lax
 from jaxtyping import Float, Int
 
 from mgjax.core.arrays import Array
+from mgjax.core.errors import ArgumentError
 from mgjax.hybrid.ik import vectors as vec
 from mgjax.hybrid.ik.closed_form import close_triangle, out_of_reach, straight_pieces
 
@@ -79,8 +80,13 @@ def fabrik(
     Returns:
         ``(joints, status)``, status one of ``REACHED``, ``UNREACHABLE_FAR``, ``UNREACHABLE_NEAR``,
         ``NOT_CONVERGED``.
+
+    Raises:
+        ArgumentError: fewer than two joints.
     """
     batch, count = target.shape[:-1], joints.shape[-2]
+    if count < 2:
+        raise ArgumentError(got=f"a chain of {count} joints", expected="at least two: a bone")
     joints, target = jnp.asarray(joints), jnp.asarray(target)
     flat = joints.reshape(-1, count, 3), target.reshape(-1, 3)
     tolerance = jnp.asarray(tolerance, joints.dtype)

@@ -3,6 +3,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -289,17 +290,27 @@ BAD_SETTINGS = [
     ("settle_s", AvoidanceConfig(settle_s=-0.1)),
     ("capacity", AvoidanceConfig(capacity=0)),
     ("checks", AvoidanceConfig(checks=0)),
-    ("energy.E_avoidance", AvoidanceConfig(energy=EnergyConfig(E_avoidance=0.0))),
-    ("energy.D_body", AvoidanceConfig(energy=EnergyConfig(D_body=-0.3))),
-    ("energy.D_body", AvoidanceConfig(energy=EnergyConfig(D_body="wide"))),
-    ("energy.E_time", AvoidanceConfig(energy=EnergyConfig(E_time=NAN))),
-    ("energy.E_time", AvoidanceConfig(energy=EnergyConfig(E_time=0.5))),
-    ("energy.w_a", AvoidanceConfig(energy=EnergyConfig(w_a=-1.0))),
-    ("energy.w_b", AvoidanceConfig(energy=EnergyConfig(w_b=float("inf")))),
-    ("energy.w_t", AvoidanceConfig(energy=EnergyConfig(w_t=None))),
     ("speed.V_fast", AvoidanceConfig(speed=SpeedConfig(V_fast=-1.0))),
     ("speed.V_still", AvoidanceConfig(speed=SpeedConfig(V_still=NAN))),
 ]
+
+
+BAD_ENERGIES = [
+    ("E_avoidance", 0.0),
+    ("D_body", -0.3),
+    ("D_body", "wide"),
+    ("E_time", NAN),
+    ("E_time", 0.5),
+    ("w_a", -1.0),
+    ("w_b", float("inf")),
+    ("w_t", None),
+]
+
+
+@pytest.mark.parametrize(("name", "value"), BAD_ENERGIES)
+def test_bad_energies_are_named_at_once(name: str, value: Any) -> None:
+    with pytest.raises(ConfigError, match=rf"got energy.{name} = .*, expected [0-9.e+-]+ (…|or)"):
+        EnergyConfig(**{name: value})
 
 
 @pytest.mark.parametrize(("key", "config"), BAD_SETTINGS, ids=lambda x: str(x)[:20])

@@ -170,8 +170,7 @@ class ThrowSession:
                 self._series.note(not throw.answer.hit and throw.answer.limb is None)
         elif throw.found is not None:
             note |= {"event": "found", "words": expected(graph, throw.found), "tone": "busy"}
-        if throw.found is not None:
-            note |= figures(lane.config, throw.found)
+        note |= figures(lane.config, throw.found)
         self._send(note)
 
     # What is asked ----------------------------------------------------------------------------

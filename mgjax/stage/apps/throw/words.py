@@ -70,8 +70,10 @@ def _why_hit(answer: Answer, kind: str) -> str:
     return f"{kind} was planned for one ball, another came"
 
 
-def figures(config: AvoidanceConfig, found: Found) -> dict[str, Any]:
+def figures(config: AvoidanceConfig, found: Found | None) -> dict[str, Any]:
     """Rows and bars for the panel: candidates, why they were dropped, energies, times."""
+    if found is None:
+        return {"rows": [["search", "none had ended when the ball came"]], "bars": []}
     choice = found.path.choice
     rows: list[list[str]] = [["search", f"{1000 * found.path.seconds:.1f} ms"]]
     if choice is None:
