@@ -30,7 +30,7 @@ _ENERGY: Ranges = {
     "D_body": (1e-9, 1e9),
     "D_move": (1e-9, 1e9),
     "E_time": (1.0, 1e6),
-    "E_fast": (1.0, 1e6),
+    "E_fast": (1.0, 1e9),
     "w_a": (0.0, 1e9),
     "w_b": (0.0, 1e9),
     "w_m": (0.0, 1e9),
@@ -88,7 +88,8 @@ class EnergyConfig:
     w_t: Number = 1.0
     w_speed_up: Number = 4.0
 
-    def __post_init__(self) -> None:
+    def validate(self) -> None:
+        """Raises :class:`ConfigError` naming the first number that is out of range."""
         check_ranges(self, _ENERGY, "energy.")
 
 
@@ -217,6 +218,7 @@ def validate_config(config: AvoidanceConfig) -> None:
     """Raises :class:`ConfigError` naming the first setting that is out of range."""
     if _IN_RANGE.get(id(config)) is config:
         return
+    config.energy.validate()
     check_ranges(config, _RANGES, endless=("speed.V_fast", "speed.V_slow", "speed.V_still"))
     for key, value, known in (
         ("energy.form", config.energy.form, ("overlap", "paper")),

@@ -104,12 +104,12 @@ class _Made:
 
 
 def _make(graph: MotionGraph, config: AvoidanceConfig) -> _Made:
+    tables = edge_tables(graph, config.body_rate)
     if not graph.label_kind:
         raise GraphError(
             got="a graph without avoidance parts",
             expected="labelled clips: build_graph(clips, labels=…)",
         )
-    tables = edge_tables(graph, config.body_rate)
     poses = graph_poses(graph, tables.spheres)
     reach = body_reach(graph.skeleton, tables.spheres)
     posed = PosedGraph(graph=graph, poses=poses, reach=reach)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections.abc
+import math
 import operator
 import types
 import typing
@@ -90,11 +91,13 @@ def _one(name: str) -> str:
 def _instance(kind: type) -> Admission:
     if not _checkable(kind):
         return _anything
-    words = _one(kind.__name__)
+    words, validate = _one(kind.__name__), getattr(kind, "validate", None)
 
     def look(value: Any, argument: str, sizes: Sizes) -> Any:
         if not isinstance(value, kind):
             raise Refused(shown(value), words)
+        if validate is not None:
+            validate(value)
         return value
 
     return look
@@ -125,8 +128,6 @@ def _real(value: Any, argument: str, sizes: Sizes) -> Any:
         raise Refused(shown(value), "a number")
     if np.asarray(value).dtype.kind not in "fiu":
         raise Refused(shown(value), "a number")
-    if not np.isfinite(value):
-        raise Refused(shown(value), "a finite number")
     return value
 
 
@@ -279,8 +280,6 @@ def _array(hint: Any) -> Admission:
         wrong = fit(array.shape, argument, sizes)
         if wrong:
             raise Refused(shown(array), f"{words}{wrong}")
-        if kind == "f" and not _finite(array):
-            raise Refused("a value that is not finite", f"{words}, all finite")
         return array
 
     return look
@@ -303,7 +302,10 @@ def _made(value: Any, words: str) -> np.ndarray:
     return array
 
 
-def _finite(array: Any) -> bool:
-    if isinstance(array, Tracer) or array.dtype.kind != "f":
+def is_finite(value: Any) -> bool:
+    """Whether there is nothing but finite numbers in it, as far as that is known."""
+    if isinstance(value, float):
+        return math.isfinite(value)
+    if not isinstance(value, np.ndarray | jax.Array) or isinstance(value, Tracer):
         return True
-    return bool(np.isfinite(np.asarray(array)).all())
+    return value.dtype.kind != "f" or bool(np.isfinite(np.asarray(value)).all())

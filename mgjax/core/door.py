@@ -13,15 +13,17 @@ import typing
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+import numpy as np
 from jax.core import Tracer
 
-from mgjax.core.admitted import Admission, Refused, admission_of
+from mgjax.core.admitted import Admission, Refused, admission_of, is_finite
 from mgjax.core.dimensions import Sizes
 from mgjax.core.errors import ArgumentError, MotionError
 from mgjax.core.motion import Motion, validate_motion
 from mgjax.core.skeleton import Skeleton
 
 Method = TypeVar("Method", bound=Callable[..., Any])
+_TAKES_ANY = "_takes_not_finite"
 COMPILED = ("lower", "trace", "eval_shape", "clear_cache")
 """What functions compiled by jax have beyond being called."""
 
@@ -41,6 +43,7 @@ def door(function: Callable[..., Any], package: str, name: str) -> Callable[...,
     """
     signature = inspect.signature(function)
     places = list(signature.parameters)
+    finite = not getattr(function, _TAKES_ANY, False)
 
     @functools.cache
     def admissions() -> dict[str, Admission]:
@@ -55,9 +58,9 @@ def door(function: Callable[..., Any], package: str, name: str) -> Callable[...,
         sizes: Sizes = {}
         given = list(args)
         for place, value in enumerate(args):
-            given[place] = _admit(name, places[place], value, admitted, sizes)
+            given[place] = _admit(name, places[place], value, admitted, sizes, finite)
         for argument, value in kwargs.items():
-            kwargs[argument] = _admit(name, argument, value, admitted, sizes)
+            kwargs[argument] = _admit(name, argument, value, admitted, sizes, finite)
         _one_body(name, [*given, *kwargs.values()])
         return function(*given, **kwargs)
 
@@ -74,18 +77,32 @@ def checked(method: Method) -> Method:
     return looked_at
 
 
+def takes_not_finite(function: Method) -> Method:
+    """Marks a function that has an answer of its own to what is not finite, such as a status."""
+    setattr(function, _TAKES_ANY, True)
+    return function
+
+
+def _not_finite(value: Any) -> str:
+    return "a value that is not finite" if np.ndim(value) else repr(float(value))
+
+
 def _admit(
     function: str,
     argument: str,
     value: Any,
     admitted: dict[str, Admission],
     sizes: Sizes,
+    finite: bool,
 ) -> Any:
     look = admitted.get(argument)
     if look is None:
         return value
     try:
-        return look(value, argument, sizes)
+        taken = look(value, argument, sizes)
+        if finite and not is_finite(taken):
+            raise Refused(_not_finite(taken), "nothing but finite numbers")
+        return taken
     except Refused as refused:
         raise ArgumentError(
             got=refused.got, expected=refused.expected, place=f"{function}({argument})"

@@ -23,7 +23,7 @@ from mgjax.avoidance.index.build import build_index
 from mgjax.avoidance.index.index import arrays_of
 from mgjax.avoidance.many.attacks import select_batch
 from mgjax.avoidance.many.settings import sweep_energies
-from mgjax.avoidance.prepared import prepare
+from mgjax.avoidance.prepared import prepare, prepared_for
 from mgjax.avoidance.rates import CLEAR_M
 from tests.sized import EXACT, graph_of_size
 
@@ -113,7 +113,7 @@ def test_the_same_edges_change_their_speed(made_graph, other_graph):
 @pytest.mark.parametrize("culling", ["paper", "binned"])
 def test_the_same_slices(made_graph, other_graph, size, culling):
     config = AvoidanceConfig(culling=culling)
-    here, there = prepare(made_graph, config), prepare(other_graph, config)
+    here, there = prepared_for(made_graph, config), prepared_for(other_graph, config)
     differ = (np.asarray(here.slices.binned.size) != np.asarray(there.slices.binned.size)).mean()
     assert differ <= (0 if size in EXACT else 1e-2)
     dropped = 0

@@ -122,7 +122,7 @@ def test_what_is_right_is_handed_on_as_it_is():
     ("given", "words"),
     [
         ({"places": [[0, 0]]}, "places): got an array of float32[1, 2], expected numbers"),
-        ({"places": [[0, 0, np.nan]]}, "places): got a value that is not finite, expected"),
+        ({"places": [[0, 0, np.nan]]}, "got a value that is not finite, expected nothing but"),
         ({"places": [[0], [0, 1]]}, "places): got rows that differ in length, expected"),
         ({"places": "abc"}, "places): got 'abc', expected numbers of shape [F, 3]"),
         ({"places": np.zeros((2, 3), bool)}, "places): got an array of bool[2, 3], expected numb"),
@@ -132,7 +132,7 @@ def test_what_is_right_is_handed_on_as_it_is():
         ({"joint": True}, "joint): got True, expected a whole number"),
         ({"joint": np.arange(2)}, "joint): got an array of int64[2], expected a whole number"),
         ({"rate": "30"}, "rate): got '30', expected a number"),
-        ({"rate": np.nan}, "rate): got nan, expected a finite number"),
+        ({"rate": np.nan}, "rate): got nan, expected nothing but finite numbers"),
         ({"rate": [1, 2]}, "rate): got a list, expected a number"),
         ({"edges": 3}, "edges): got 3, expected a sequence of whole numbers or"),
         ({"edges": [1, 2.5]}, "edges): got 2.5 at 1, expected a whole number or"),

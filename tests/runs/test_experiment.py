@@ -294,10 +294,9 @@ def test_their_configs(file):
 
 
 def test_same_config_same_metrics(run_at_smoke_size, tmp_path):
-    from experiments.avoidance.success import Config as Success
-    from experiments.avoidance.success import run
+    from experiments.avoidance.warp import Config, run
 
-    first = run_at_smoke_size("experiments.avoidance.success")
-    second, _ = perform(run, resolve(Success, smoke=True), tmp_path)
+    first = run_at_smoke_size("experiments.avoidance.warp")
+    second, _ = perform(run, resolve(Config, smoke=True), tmp_path)
     assert second["metrics"] == first["metrics"]
     assert second["points"]["resumed"] == 0

@@ -19,6 +19,7 @@ from mgjax.ballsport.ball.flight import contact_time, free_flight
 from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
 from mgjax.ballsport.config import MAX_SPEED_M_S
 from mgjax.core.arrays import Array
+from mgjax.core.door import takes_not_finite
 from mgjax.core.errors import ConfigError
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register
@@ -54,6 +55,7 @@ class HitChoice:
     distances: Float[Array, " F"]
 
 
+@takes_not_finite
 def choose_frame(
     positions: Float[Array, "F 3"],
     velocities: Float[Array, "F 3"],

@@ -23,6 +23,7 @@ from mgjax.ballsport.aiming.updates import SECOND
 from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
 from mgjax.ballsport.config import MAX_SPEED_M_S, MOST_BOUNCES
 from mgjax.core.arrays import Array
+from mgjax.core.door import takes_not_finite
 from mgjax.core.errors import ConfigError
 from mgjax.core.ranges import check_range
 from mgjax.core.xla.padding import bucket_size, pad_axis
@@ -31,6 +32,7 @@ PAPER = BallPhysics()
 """The paper's ball."""
 
 
+@takes_not_finite
 def aim(
     start: Float[Array, "3"],
     target: Float[Array, "3"],
@@ -84,6 +86,7 @@ def aim(
     return _aim(start, target, guess, wanted, shared, int(bounces))
 
 
+@takes_not_finite
 def aim_batch(
     starts: Float[Array, "N 3"],
     targets: Float[Array, "N 3"],

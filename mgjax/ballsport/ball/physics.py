@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from mgjax.core.errors import ConfigError
 from mgjax.core.ranges import Ranges, check_ranges
-from mgjax.core.traced import Number
+
+if TYPE_CHECKING:
+    Number: TypeAlias = Any  # checkers follow what is computed with it without it
+else:
+    from mgjax.core.traced import Number
 
 _PHYSICS: Ranges = {
     "gravity": (1e-3, 1e3),

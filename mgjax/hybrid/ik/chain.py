@@ -16,6 +16,7 @@ from jax import lax
 from jaxtyping import Float, Int
 
 from mgjax.core.arrays import Array
+from mgjax.core.door import takes_not_finite
 from mgjax.core.errors import ArgumentError
 from mgjax.hybrid.ik import vectors as vec
 from mgjax.hybrid.ik.closed_form import close_triangle, out_of_reach, straight_pieces
@@ -42,6 +43,7 @@ _STRAIGHT = 1e-2
 The stages would keep it there, folding it at random, with slopes that grow with every joint."""
 
 
+@takes_not_finite
 @partial(jax.jit, static_argnames="max_iterations")
 def fabrik(
     joints: Float[Array, "*b J 3"],

@@ -11,6 +11,7 @@ from jaxtyping import Float, Int
 from mgjax.core import kinematics
 from mgjax.core.arrays import Array
 from mgjax.core.body.joint_limits import JointLimits
+from mgjax.core.door import takes_not_finite
 from mgjax.core.errors import SkeletonError
 from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid.ik.chain import fabrik
@@ -24,6 +25,7 @@ def moved_joints(limbs: tuple[Limb, ...]) -> tuple[int, ...]:
     return tuple(sorted({joint for limb in limbs for joint in limb.joints}))
 
 
+@takes_not_finite
 @partial(jax.jit, static_argnames=("limbs", "max_iterations"))
 def reach_pose(
     skeleton: Skeleton,

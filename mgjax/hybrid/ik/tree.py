@@ -16,6 +16,7 @@ from jaxtyping import Float, Int
 
 from mgjax.core.arrays import Array
 from mgjax.core.body.joint_limits import JointLimits, clamp
+from mgjax.core.door import takes_not_finite
 from mgjax.hybrid.ik import tree_steps as steps
 from mgjax.hybrid.ik.chain import NOT_CONVERGED, REACHED, UNREACHABLE_FAR, UNREACHABLE_NEAR
 from mgjax.hybrid.ik.following import following
@@ -27,6 +28,7 @@ _REACH = 0.999
 """Share of its length to which a chain is stretched towards a target that is too far."""
 
 
+@takes_not_finite
 @partial(jax.jit, static_argnames=("parents", "ends", "max_starts"))
 def fabrik_tree(
     offsets: Float[Array, "n 3"],

@@ -308,9 +308,10 @@ BAD_ENERGIES = [
 
 
 @pytest.mark.parametrize(("name", "value"), BAD_ENERGIES)
-def test_bad_energies_are_named_at_once(name: str, value: Any) -> None:
+def test_bad_energies_are_named(made_graph: MotionGraph, name: str, value: Any) -> None:
+    config = AvoidanceConfig(energy=EnergyConfig(**{name: value}))
     with pytest.raises(ConfigError, match=rf"got energy.{name} = .*, expected [0-9.e+-]+ (…|or)"):
-        EnergyConfig(**{name: value})
+        select(made_graph, 0, throw(np.random.default_rng(0)), config=config)
 
 
 @pytest.mark.parametrize(("key", "config"), BAD_SETTINGS, ids=lambda x: str(x)[:20])

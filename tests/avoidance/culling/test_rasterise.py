@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
@@ -111,11 +112,11 @@ def test_attacks_are_drawn_by_the_definition(kind: str) -> None:
 
 def test_attacks_that_are_not_drawn() -> None:
     here = np.array([0.0, 1.0, 0.0])
-    big = ball_attack(here + np.array([5.0, 30.0, 0.0]), here, speed=10.0, arrives=1.0, radius=20.0)
+    big = ball_attack(here + np.array([5.0, 30.0, 0.0]), here, speed=10.0, arrives=1.0)
+    big = replace(big, radii=np.array([20.0]))
     slow = ball_attack(here + np.array([2.0, 0.0, 0.0]), here, speed=0.2, arrives=12.0)
-    fast = ball_attack(
-        here + np.array([900.0, 0.0, 0.0]), here, speed=1000.0, arrives=1.0, radius=0.001
-    )
+    ends = here + np.array([[[900.0, 0.0, 0.0]], [[-100.0, 0.0, 0.0]]])
+    fast = Attack(times=np.array([0.0, 1.0]), centres=ends, radii=np.array([0.001]))
     long = Crop(start=0.0, end=0.05 * MAX_ATTACK_BINS + 0.1)
     assert draw_attack(big, Crop(start=0.9, end=1.1)) is None
     assert draw_attack(slow, long) is None
