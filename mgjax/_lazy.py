@@ -14,7 +14,7 @@ def attach(
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """What a package's ``__init__.py`` needs to have names that live in other modules.
 
-    Functions are handed out with :func:`mgjax.core.door.door` before them.
+    Functions are handed out with :func:`mgjax.core.calls.door.door` before them.
 
     Type checkers do not follow this: the package imports the same names under ``TYPE_CHECKING``,
     and calls ``attach`` only outside of it.
@@ -37,7 +37,7 @@ def attach(
         found = getattr(module, name)
         if isinstance(found, type) or not inspect.isfunction(inspect.unwrap(found)):
             return found
-        from mgjax.core.door import door
+        from mgjax.core.calls.door import door
 
         return door(found, package, name)
 

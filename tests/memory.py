@@ -12,6 +12,10 @@ import jax
 MOST_MB = 2000
 """Of resident memory after a test; the largest test needs 1 GB more."""
 
+LEAST_GAIN_MB = 500
+"""By so much a process has to grow after programs were dropped before they are dropped again."""
+_left_mb = 0.0
+
 
 def collect_seldom() -> None:
     """Has Python look for garbage seldom, and never among what is imported by now.
@@ -46,6 +50,11 @@ def drop_programs() -> None:
 
 
 def bound() -> None:
-    """Drops programs where this process has grown too large."""
-    if resident_mb() > MOST_MB:
+    """Drops programs where this process has grown too large, and by much since the last time.
+
+    What tests share is not dropped; where that alone is large, dropping would be in vain.
+    """
+    global _left_mb
+    if resident_mb() > max(MOST_MB, _left_mb + LEAST_GAIN_MB):
         drop_programs()
+        _left_mb = resident_mb()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance import EnergyConfig, clearance, energies, soft_energies
-from mgjax.ballsport import BallPhysics, contact_times, fly
+from mgjax.ballsport import BallPhysics, aim, contact_times, fly
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core import kinematics
 from mgjax.hybrid import fabrik
@@ -88,6 +88,16 @@ def _contact_times() -> Case:
     return Case(times, ordinary, (np.float32([0, 0.11, 0]), np.zeros(3, np.float32)))
 
 
+def _aim() -> Case:
+    def launch(start: Any, target: Any, guess: Any, seconds: Any) -> jax.Array:
+        found = aim(start, target, bounces=0, guess=guess, flight_time=seconds)
+        return jnp.concatenate([found.velocity, found.time[None]])
+
+    start, target, guess = (np.float32(p) for p in ([0, 0.4, 0], [6, 0.9, 3], [5, 4, 2]))
+    there = start, start, np.zeros(3, np.float32), np.float32(1.0)
+    return Case(launch, (start, target, guess, np.float32(1.2)), there, step=0.05, off=5e-2)
+
+
 def _fabrik() -> Case:
     def joints(joints: Any, target: Any) -> jax.Array:
         return fabrik(joints, target)[0]
@@ -117,6 +127,7 @@ CASES = {
     "mgjax.avoidance.clearance": _clearance,
     "mgjax.ballsport.fly": _fly,
     "mgjax.ballsport.contact_times": _contact_times,
+    "mgjax.ballsport.aim": _aim,
     "mgjax.hybrid.fabrik": _fabrik,
     "mgjax.core.kinematics.forward": _forward,
 }
@@ -145,7 +156,7 @@ LONG = {"mgjax.hybrid.fabrik"}
 def test_rows(name: str) -> None:
     case = CASES[name]()
     rng = np.random.default_rng(3)
-    ways = tuple(rng.normal(size=x.shape).astype(np.float32) for x in case.ordinary)
+    ways = tuple(np.asarray(rng.normal(size=x.shape), np.float32) for x in case.ordinary)
     if name == "mgjax.core.kinematics.forward":
         ways[1][:, 0] = 0.0  # rotations stay of unit length, to first order
 

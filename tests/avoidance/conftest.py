@@ -10,7 +10,7 @@ from mgjax.graph.config import GraphConfig
 from mgjax.graph.types import MotionGraph
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def made_graph() -> MotionGraph:
     """A graph of the procedural clips, with enough transitions to avoid something.
 
@@ -20,7 +20,7 @@ def made_graph() -> MotionGraph:
     return build_graph(clips, labels=labels, config=GraphConfig(threshold_m=0.05, best_per_s=30))
 
 
-@pytest.fixture(scope="session", params=["made", "real"])
+@pytest.fixture(scope="package", params=["made", "real"])
 def any_graph(request: pytest.FixtureRequest) -> MotionGraph:
     """Both graphs in turn."""
     return request.getfixturevalue(f"{request.param}_graph")

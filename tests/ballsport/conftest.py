@@ -13,13 +13,13 @@ from mgjax.clips.folder import load_clips
 SMALL = ClipSetConfig(frame_rate=30.0)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def made_set() -> ClipSet:
     """The embedded clips alone, at 30 Hz."""
     return build_clip_set(config=SMALL)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def real_set(capture: Path) -> ClipSet:
     """With the captured kicks and their mirror images, at 30 Hz."""
     exclude = ("bvh_converted/*", "cmu135_bvh/*")

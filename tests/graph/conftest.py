@@ -12,11 +12,11 @@ from tests.graph.made import made_clips
 ClipsAndLabels = tuple[list[Clip], dict[str, tuple[Label, ...]]]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def made() -> ClipsAndLabels:
     return made_clips()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def made_graph(made: ClipsAndLabels) -> MotionGraph:
     return build_graph(made[0], labels=made[1])

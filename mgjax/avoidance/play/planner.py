@@ -20,7 +20,7 @@ from mgjax.avoidance.play.several_attacks import JointPath, find_path
 from mgjax.avoidance.play.timeline import PlacedChange, Timeline
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
-from mgjax.core.door import checked
+from mgjax.core.calls.door import checked
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.core.motion import Motion
 from mgjax.graph.feet.course import turned

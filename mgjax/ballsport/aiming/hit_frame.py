@@ -19,7 +19,7 @@ from mgjax.ballsport.ball.flight import contact_time, free_flight
 from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
 from mgjax.ballsport.config import MAX_SPEED_M_S
 from mgjax.core.arrays import Array
-from mgjax.core.door import takes_not_finite
+from mgjax.core.calls.door import takes_not_finite
 from mgjax.core.errors import ConfigError
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register

@@ -8,9 +8,11 @@ from typing import Any
 
 import jax
 import numpy as np
+from jax import lax
 from jaxtyping import Float
 
 from mgjax.ballsport.aiming.problem import make_problem
+from mgjax.ballsport.aiming.slopes import with_slopes
 from mgjax.ballsport.aiming.solve import (
     TOO_FAR,
     UNDER_NET,
@@ -23,7 +25,7 @@ from mgjax.ballsport.aiming.updates import SECOND
 from mgjax.ballsport.ball.physics import BallPhysics, Net, Number
 from mgjax.ballsport.config import MAX_SPEED_M_S, MOST_BOUNCES
 from mgjax.core.arrays import Array
-from mgjax.core.door import takes_not_finite
+from mgjax.core.calls.door import takes_not_finite
 from mgjax.core.errors import ConfigError
 from mgjax.core.ranges import check_range
 from mgjax.core.xla.padding import bucket_size, pad_axis
@@ -60,6 +62,10 @@ def aim(
     Deviation:
         The paper begins at the bone's own velocity. From there the updates fail for most passes
         with two bounces (``experiments/ballsport/aim.py``).
+
+    Gradients (forward and reverse mode) with respect to start, target, guess, flight time, its
+    weight, the largest speed and the physics are those of the launch of least cost
+    (:mod:`mgjax.ballsport.aiming.slopes`); where a pass cannot be they are 0.
 
     Degenerate: a start in the ground is lifted to rest height; a target on the ground is met 0.03
     mm above it, so that the arrival is no bounce; a target at the start is met by a ball that
@@ -137,7 +143,9 @@ def _over(
 def _aim(
     start: Array, target: Array, guess: Array, wanted: Number, shared: Any, bounces: int
 ) -> Aim:
-    return solve(make_problem(start, target, guess, wanted, *shared), bounces)
+    problem = make_problem(start, target, guess, wanted, *shared)
+    found = solve(lax.stop_gradient(problem), bounces)
+    return with_slopes(problem, lax.stop_gradient(found), bounces)
 
 
 @partial(jax.jit, static_argnames="bounces")

@@ -140,8 +140,13 @@ def arrive(
 
 def clears_net(problem: AimProblem, launch: Launch, bounces: int) -> Bool[Array, ""]:
     """Whether the ball's lowest point is above the net where it crosses it, if it does."""
+    return net_margin(problem, launch, bounces) >= 0
+
+
+def net_margin(problem: AimProblem, launch: Launch, bounces: int) -> Float[Array, ""]:
+    """How far the ball's lowest point is above the net where it crosses it, m; inf elsewhere."""
     if problem.net is None:
-        return jnp.asarray(True)
+        return jnp.asarray(jnp.inf)
     fraction, height = problem.net
     arcs = flight_arcs(problem, launch.velocity, bounces)
 
@@ -163,4 +168,4 @@ def clears_net(problem: AimProblem, launch: Launch, bounces: int) -> Bool[Array,
         gap = jnp.sum(place * ahead) - distance
         time = time - gap / jnp.maximum(jnp.sum(speed * ahead), 1e-6)
     short = jnp.sum(at(launch.time)[0] * ahead) < distance
-    return (fraction < 0) | short | (at(time)[0][1] >= height)
+    return jnp.where((fraction < 0) | short, jnp.inf, at(time)[0][1] - height)

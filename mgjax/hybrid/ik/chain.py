@@ -16,7 +16,7 @@ from jax import lax
 from jaxtyping import Float, Int
 
 from mgjax.core.arrays import Array
-from mgjax.core.door import takes_not_finite
+from mgjax.core.calls.door import takes_not_finite
 from mgjax.core.errors import ArgumentError
 from mgjax.hybrid.ik import vectors as vec
 from mgjax.hybrid.ik.closed_form import close_triangle, out_of_reach, straight_pieces

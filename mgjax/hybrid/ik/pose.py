@@ -11,7 +11,7 @@ from jaxtyping import Float, Int
 from mgjax.core import kinematics
 from mgjax.core.arrays import Array
 from mgjax.core.body.joint_limits import JointLimits
-from mgjax.core.door import takes_not_finite
+from mgjax.core.calls.door import takes_not_finite
 from mgjax.core.errors import SkeletonError
 from mgjax.core.skeleton import Skeleton
 from mgjax.hybrid.ik.chain import fabrik

@@ -16,7 +16,7 @@ from jaxtyping import Float, Int
 
 from mgjax.core.arrays import Array
 from mgjax.core.body.joint_limits import JointLimits, clamp
-from mgjax.core.door import takes_not_finite
+from mgjax.core.calls.door import takes_not_finite
 from mgjax.hybrid.ik import tree_steps as steps
 from mgjax.hybrid.ik.chain import NOT_CONVERGED, REACHED, UNREACHABLE_FAR, UNREACHABLE_NEAR
 from mgjax.hybrid.ik.following import following

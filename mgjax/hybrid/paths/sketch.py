@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from mgjax.core.door import takes_not_finite
+from mgjax.core.calls.door import takes_not_finite
 from mgjax.core.errors import FileFormatError, PathError
 from mgjax.hybrid.paths.sketch_csv import read_csv
 from mgjax.io.json_text import parse_json

@@ -6,7 +6,7 @@ from mgjax.graph.types import MotionGraph
 from tests.avoidance.parry.made import guarding_graph
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def guarding() -> MotionGraph:
     """A body that stands with hanging arms."""
     return guarding_graph()

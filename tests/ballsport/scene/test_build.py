@@ -40,7 +40,7 @@ SCENE = SceneConfig(
 )
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def moves(made_set: ClipSet) -> Repertoire:
     return make_repertoire(made_set, ball_radius=0.11)
 

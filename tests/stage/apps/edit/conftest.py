@@ -21,14 +21,14 @@ SETTINGS = Settings(threshold_m=0.05)
 NAMES = ("duck", "sway", "crouch_jump", "turns")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def some() -> tuple[list[Clip], dict[str, tuple[Label, ...]]]:
     """Four of the embedded clips, and their labels."""
     clips, labels = synthetic_clips()
     return [c for c in clips if c.name in NAMES], {n: labels[n] for n in NAMES if n in labels}
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def graph(some: tuple[list[Clip], dict[str, tuple[Label, ...]]]) -> MotionGraph:
     """Their graph."""
     return build_graph(some[0], labels=some[1], config=SETTINGS.config())

@@ -9,6 +9,6 @@ from mgjax.ballsport.scene.build import prepare_scene
 from mgjax.stage.apps.match.pitch import pitch
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def moves() -> Repertoire:
     return prepare_scene(pitch(3, net=True))

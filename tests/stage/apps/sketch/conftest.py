@@ -11,7 +11,7 @@ from mgjax.stage.apps.sketch.walking import walking_graph
 from tests.stage.apps.sketch.tab import Tab
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def solver() -> Solver:
     """See this module."""
     graph = walking_graph(None, None)

@@ -52,7 +52,7 @@ class Played:
         self.session.receive({"type": "throw", "from": eye, "to": place, "place": place, **more})
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def prepared() -> Prepared:
     clips, labels = synthetic_clips()
     return prepare(build_graph(clips, labels=labels, config=EMBEDDED))

@@ -19,7 +19,7 @@ from jaxtyping import Bool, Float, Int
 import mgjax
 from mgjax import ballsport, hybrid
 from mgjax.core.arrays import Array
-from mgjax.core.door import door
+from mgjax.core.calls.door import door
 from mgjax.core.errors import ArgumentError, MotionError
 from mgjax.core.motion import Motion
 from mgjax.core.skeleton import Skeleton

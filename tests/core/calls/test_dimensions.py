@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mgjax.core.dimensions import Sizes, fitting
+from mgjax.core.calls.dimensions import Sizes, fitting
 
 
 @pytest.mark.parametrize(

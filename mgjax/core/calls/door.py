@@ -16,8 +16,10 @@ from typing import Any, TypeVar
 import numpy as np
 from jax.core import Tracer
 
-from mgjax.core.admitted import Admission, Refused, admission_of, is_finite
-from mgjax.core.dimensions import Sizes
+from mgjax.core.calls.admitted import Admission, admission_of
+from mgjax.core.calls.arrays import is_finite
+from mgjax.core.calls.dimensions import Sizes
+from mgjax.core.calls.refused import Refused
 from mgjax.core.errors import ArgumentError, MotionError
 from mgjax.core.motion import Motion, validate_motion
 from mgjax.core.skeleton import Skeleton

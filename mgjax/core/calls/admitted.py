@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import collections.abc
-import math
 import operator
 import types
 import typing
@@ -15,29 +14,21 @@ import jax
 import numpy as np
 from jax.core import Tracer
 
-from mgjax.core.dimensions import Sizes, fitting, shown_shape
+from mgjax.core.calls.arrays import array_admission
+from mgjax.core.calls.dimensions import Sizes
+from mgjax.core.calls.refused import Refused, one, shown
 from mgjax.core.traced import TRACED
 
 Admission = Callable[[Any, str, Sizes], Any]
 """Takes a value, the name of its argument and the sizes of arguments before it; gives the value
 that the function gets, or raises :class:`Refused`."""
-_KIND = {"b": "b", "i": "i", "u": "i"}
-KINDS = {"f": "numbers", "i": "whole numbers", "b": "booleans"}
-
-
-class Refused(Exception):
-    """What was got and what is expected."""
-
-    def __init__(self, got: str, expected: str) -> None:
-        self.got, self.expected = got, expected
-        super().__init__(f"got {got}, expected {expected}")
 
 
 def admission_of(hint: Any) -> Admission:
     """What an annotation admits. One that says nothing (``Any``) admits everything."""
     origin, inside = typing.get_origin(hint), typing.get_args(hint)
     if hasattr(hint, "dim_str"):
-        return _array(hint)
+        return array_admission(hint)
     if origin in (typing.Union, types.UnionType):
         return _union(inside)
     if origin is Literal:
@@ -71,27 +62,10 @@ def _is_a(kind: Any, of: type) -> bool:
     return isinstance(kind, type) and issubclass(kind, of)
 
 
-def shown(value: Any) -> str:
-    """A value in a few words: its type, and itself where that is short."""
-    if isinstance(value, (np.ndarray, jax.Array)):
-        return f"an array of {value.dtype}{shown_shape(value.shape)}"
-    if value is None:
-        return "None"
-    if isinstance(value, bool | int | float | np.generic):
-        return repr(value.item() if isinstance(value, np.generic) else value)
-    if isinstance(value, str | Path):
-        return repr(str(value))[:60]
-    return _one(type(value).__name__)
-
-
-def _one(name: str) -> str:
-    return f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"
-
-
 def _instance(kind: type) -> Admission:
     if not _checkable(kind):
         return _anything
-    words, validate = _one(kind.__name__), getattr(kind, "validate", None)
+    words, validate = one(kind.__name__), getattr(kind, "validate", None)
 
     def look(value: Any, argument: str, sizes: Sizes) -> Any:
         if not isinstance(value, kind):
@@ -202,7 +176,7 @@ def _several(origin: type, inside: tuple[Any, ...]) -> Admission:
         return _instance(origin)
     each = admission_of(inside[0]) if inside else _anything
     plain = each is _anything
-    words = _one(origin.__name__.lower())
+    words = one(origin.__name__.lower())
     if inside and not plain:
         words += f" of {_many(inside[0])}"
     counted = _is_a(origin, collections.abc.Sized) or _is_a(origin, collections.abc.Collection)
@@ -253,59 +227,3 @@ def _fixed(inside: tuple[Any, ...]) -> Admission:
         )
 
     return look
-
-
-def _array(hint: Any) -> Admission:
-    """Arrays of a kind and a shape; lists and numbers are made into them."""
-    kind = _KIND.get(_first_kind(hint), "f")
-    dims: str = hint.dim_str
-    words = f"{KINDS[kind]} of shape [{', '.join(dims.split())}]" if dims else "a number"
-    dtype = {"f": np.float32, "i": np.int32, "b": np.bool_}[kind]
-    fit = fitting(dims)
-    of_numpy = hint.array_type is np.ndarray
-
-    def look(value: Any, argument: str, sizes: Sizes) -> Any:
-        array = value
-        if not isinstance(value, np.ndarray | jax.Array):
-            array = _made(value, words)
-        found = _KIND.get(array.dtype.kind, "f")
-        if found != kind:
-            if kind != "f" or found != "i":
-                raise Refused(shown(array), words)
-            array = array.astype(dtype)
-        elif array is not value and kind == "f":
-            array = array.astype(np.float64 if of_numpy else np.float32)
-        elif array is not value:
-            array = array.astype(dtype)
-        wrong = fit(array.shape, argument, sizes)
-        if wrong:
-            raise Refused(shown(array), f"{words}{wrong}")
-        return array
-
-    return look
-
-
-def _first_kind(hint: Any) -> str:
-    first = str(next(iter(hint.dtypes)))
-    return first[0] if first[0] in "biu" and not first.startswith("bfloat") else "f"
-
-
-def _made(value: Any, words: str) -> np.ndarray:
-    if value is None or isinstance(value, str | bytes | Path):
-        raise Refused(shown(value), words)
-    try:
-        array = np.asarray(value)
-    except (ValueError, TypeError):
-        raise Refused("rows that differ in length", words) from None
-    if array.dtype.kind not in "biuf":
-        raise Refused(shown(value), words)
-    return array
-
-
-def is_finite(value: Any) -> bool:
-    """Whether there is nothing but finite numbers in it, as far as that is known."""
-    if isinstance(value, float):
-        return math.isfinite(value)
-    if not isinstance(value, np.ndarray | jax.Array) or isinstance(value, Tracer):
-        return True
-    return value.dtype.kind != "f" or bool(np.isfinite(np.asarray(value)).all())

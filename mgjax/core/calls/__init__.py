@@ -1,0 +1,1 @@
+"""What public functions take, and what is said where they are given something else."""
