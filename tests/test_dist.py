@@ -43,6 +43,7 @@ def test_the_source_archive_has_the_sources_only(built: Path) -> None:
     assert tops <= {
         *("mgjax", "configs", "docs", "experiments", "notebooks", "tests"),
         *("CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "README.md", "RESULTS.md", "Makefile"),
+        *("mkdocs.yml",),
         *("pyproject.toml", "PKG-INFO", ".gitignore"),
     }
     assert {"mgjax/py.typed", "tests/test_dist.py", "pyproject.toml"} <= names

@@ -24,8 +24,8 @@ EDITS = {
         ),
         ("    w_t: Number = 1.0\n", "    w_t: Number = 1.0\n    w_haste: Number = 0.0\n"),
         (
-            '    "energy.w_t": (0.0, 1e9),\n',
-            '    "energy.w_t": (0.0, 1e9),\n    "energy.w_haste": (0.0, 1e9),\n',
+            '    "w_t": (0.0, 1e9),\n',
+            '    "w_t": (0.0, 1e9),\n    "w_haste": (0.0, 1e9),\n',
         ),
     ],
     "avoidance/energy/score.py": [

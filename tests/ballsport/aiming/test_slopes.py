@@ -106,6 +106,7 @@ def test_slopes_are_those_of_the_best_launch(name: str) -> None:
     assert found.status == OK
     there = best(case, vector, np.array([*found.velocity, found.time], np.float64))
     step, used = 2e-3, [i for i in range(11) if i != 9 or "wanted" in case]
+    used = used if name in QUICK else [i for i in used if i in (4, 7, 9, 10)]
     differences = np.stack(
         [
             (best(case, vector + e, there) - best(case, vector - e, there)) / (2 * step)
