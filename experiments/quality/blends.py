@@ -45,7 +45,7 @@ class Config:
 
     clips: str = ""
     """Folder of clips with labels.json; empty: the embedded clips."""
-    exclude: tuple[str, ...] = ()
+    exclude: tuple[str, ...] = ("bvh_converted/*",)
     """Patterns of clips that are left out."""
     blends: tuple[str, ...] = BLENDS
     """Blends to compare, at the automatic threshold; the paper's and support are among them."""

@@ -75,8 +75,8 @@ def load_records(folder: Path) -> dict[str, Any]:
 
 
 def measured(records: Mapping[str, Any]) -> str:
-    """When, on what machine and how busy it was; the commonest machine where records differ."""
-    machine = _commonest(_machine(record) for record in records.values())
+    """When, on what machines and how busy they were."""
+    machine = " and ".join(sorted({_machine(record) for record in records.values()}))
     version = _commonest(_versions(record) for record in records.values())
     days = sorted({record["finished"][:10] for record in records.values()})
     when = days[0] if len(days) == 1 else f"{days[0]} to {days[-1]}"

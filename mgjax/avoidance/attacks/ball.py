@@ -18,7 +18,7 @@ GRAVITY_M_S2 = 9.8
 MAX_GRAVITY_M_S2 = 100.0
 FAR_M = 100.0
 """No place of a throw is farther from the character, in any direction."""
-MOST = {"speed": 150.0, "arrival": 1000.0, "radius": 3.0}
+MOST = {"speed": 300.0, "arrival": 1000.0, "radius": 3.0}
 """Faster than any serve, larger than any ball: beyond are other units."""
 
 
