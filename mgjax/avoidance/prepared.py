@@ -84,6 +84,7 @@ def prepared_for(
     validate_config(config)
     if isinstance(graph, Prepared):
         _check(graph, config)
+        _check_index(graph.graph, index)
         return graph if index is None else replace(graph, index=index)
     key = ("avoidance", config.body_rate, config.speed)
     made = cached(graph, key, lambda: _make(graph, config))
@@ -128,8 +129,7 @@ def _joined(
     slices: Slices | None,
     index: CandidateIndex | None,
 ) -> Prepared:
-    if isinstance(index, GridIndex) and index.fingerprint != fingerprint(graph):
-        raise ConfigError(got="the index of another graph", expected="build_index of this one")
+    _check_index(graph, index)
     return Prepared(
         graph=graph,
         body_rate=config.body_rate,
@@ -140,6 +140,11 @@ def _joined(
         slices=slices,
         index=index,
     )
+
+
+def _check_index(graph: MotionGraph, index: CandidateIndex | None) -> None:
+    if isinstance(index, GridIndex) and index.fingerprint != fingerprint(graph):
+        raise ConfigError(got="the index of another graph", expected="build_index of this one")
 
 
 def _check(prepared: Prepared, config: AvoidanceConfig) -> None:

@@ -10,13 +10,17 @@ import jax
 import numpy as np
 import pytest
 
-from mgjax.avoidance import choose, prepare, select, select_batch
+from mgjax.avoidance import build_index, choose, prepare, select, select_batch
 from mgjax.avoidance import prepared as module
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig
 from mgjax.avoidance.prepared import prepared_for
-from mgjax.core.errors import ConfigError
+from mgjax.clips.synthetic import synthetic_clips
+from mgjax.core.errors import ConfigError, GraphError
+from mgjax.graph.build import build_graph
+from mgjax.graph.config import GraphConfig
 from mgjax.graph.types import MotionGraph
 from tests.avoidance.made import make_graph, throw
+from tests.sized import graph_of_size
 
 CONFIG = AvoidanceConfig()
 
@@ -86,3 +90,21 @@ def test_six_graphs_in_turn_are_prepared_once(monkeypatch: pytest.MonkeyPatch) -
     first, again = (prepared_for(graphs[0], CONFIG) for _ in range(2))
     assert first.device is again.device
     assert isinstance(first.device.pool, jax.Array)
+
+
+def test_the_index_of_another_graph(made_graph: MotionGraph) -> None:
+    other = graph_of_size(made_graph, 2.0)
+    index = build_index(other, horizon=0.5)
+    attack = throw(np.random.default_rng(0))
+    for searched in (made_graph, prepare(made_graph)):
+        with pytest.raises(ConfigError, match="got the index of another graph, expected"):
+            select(searched, 0, attack, index=index)
+    with pytest.raises(ConfigError, match="got the index of another graph, expected"):
+        prepare(made_graph, index=index)
+
+
+def test_a_graph_without_avoidance_parts() -> None:
+    clips, _ = synthetic_clips()
+    graph = build_graph(clips[:2], config=GraphConfig(threshold_m=0.05))
+    with pytest.raises(GraphError, match="got a graph without avoidance parts, expected labelled"):
+        select(graph, 0, throw(np.random.default_rng(0)))

@@ -101,6 +101,7 @@ def _lowest(vertical: Float[Array, " K"], cost: Float[Array, " K"], place: Array
     fits &= cost[middle + 1] - fall < _TOO_FAST  # all three are flights
     weight = fall * ahead * ahead + rise * back * back
     bend = rise * back - fall * ahead
+    fits &= bend > 0  # two of them may be one, at the largest speed
     halfway = (
         vertical[jnp.maximum(place - 1, 0)] + vertical[jnp.minimum(place + 1, _SCANNED - 1)]
     ) / 2

@@ -163,7 +163,7 @@ def _union(members: tuple[Any, ...]) -> Admission:
 
 def _one_of(values: tuple[Any, ...]) -> Admission:
     def look(value: Any, argument: str, sizes: Sizes) -> Any:
-        if value not in values:
+        if not any(type(value) is type(each) and value == each for each in values):
             raise Refused(shown(value), " or ".join(map(repr, values)))
         return value
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 
@@ -15,12 +16,13 @@ from mgjax.core.calls.dimensions import Sizes, fitting
 from mgjax.core.calls.refused import Refused, shown
 
 KINDS = {"f": "numbers", "i": "whole numbers", "b": "booleans"}
-_KIND = {"b": "b", "i": "i", "u": "i"}
+_KIND = {"b": "b", "i": "i", "u": "i", "f": "f", "V": "f"}
+"""By kind of a dtype; jax's short floats are of kind V."""
 
 
 def array_admission(hint: Any) -> Callable[[Any, str, Sizes], Any]:
     """Arrays of a kind and a shape; lists and numbers are made into them."""
-    kind = _KIND.get(_first_kind(hint), "f")
+    kind = _KIND[_first_kind(hint)]
     dims: str = hint.dim_str
     words = f"{KINDS[kind]} of shape [{', '.join(dims.split())}]" if dims else "a number"
     dtype = {"f": np.float32, "i": np.int32, "b": np.bool_}[kind]
@@ -31,7 +33,7 @@ def array_admission(hint: Any) -> Callable[[Any, str, Sizes], Any]:
         array = value
         if not isinstance(value, np.ndarray | jax.Array):
             array = _made(value, words)
-        found = _KIND.get(array.dtype.kind, "f")
+        found = _KIND.get(array.dtype.kind, "")
         if found != kind:
             if kind != "f" or found != "i":
                 raise Refused(shown(array), words)
@@ -53,11 +55,13 @@ def _first_kind(hint: Any) -> str:
     return first[0] if first[0] in "biu" and not first.startswith("bfloat") else "f"
 
 
-def _made(value: Any, words: str) -> np.ndarray:
+def _made(value: Any, words: str) -> np.ndarray | jax.Array:
     if value is None or isinstance(value, str | bytes | Path):
         raise Refused(shown(value), words)
     try:
         array = np.asarray(value)
+    except jax.errors.TracerArrayConversionError:
+        return jnp.asarray(value)
     except (ValueError, TypeError):
         raise Refused("rows that differ in length", words) from None
     if array.dtype.kind not in "biuf":

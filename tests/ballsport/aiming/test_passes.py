@@ -319,3 +319,10 @@ def test_choice_fits_a_wanted_time_and_ignores_padding() -> None:
         choose_frame(places, speeds, target, mask=np.zeros(20, bool), **shared)
     with pytest.raises(ConfigError, match="scales"):
         choose_frame(places, speeds, target, scales=(1.4, 0.8), **shared)
+
+
+@pytest.mark.parametrize("guess", [[0.0, 50.0, 0.0], [1.9, 29.9, 0.9], [0.0, -50.0, 0.0]])
+def test_a_guess_at_the_largest_speed_and_beyond(guess: list[float]) -> None:
+    aimed = aim([0.0, 0.4, 0.0], [6.0, 0.9, 3.0], bounces=0, guess=guess)
+    assert aimed.status == OK
+    assert np.linalg.norm(aimed.velocity) <= 30.0 * (1 + 1e-6)

@@ -127,6 +127,9 @@ def test_what_is_right_is_handed_on_as_it_is():
         ({"places": "abc"}, "places): got 'abc', expected numbers of shape [F, 3]"),
         ({"places": np.zeros((2, 3), bool)}, "places): got an array of bool[2, 3], expected numb"),
         ({"places": np.zeros((2, 3)), "mask": [True]}, "expected booleans of shape [F] with F = 2"),
+        ({"places": np.array([["a"] * 3])}, "places): got an array of <U1[1, 3], expected numb"),
+        ({"places": np.zeros((1, 3), complex)}, "got an array of complex128[1, 3], expected num"),
+        ({"kind": np.zeros(2)}, "kind): got an array of float64[2], expected 'a' or 'b'"),
         ({"mask": np.ones(3)}, "mask): got an array of float64[3], expected booleans of shape [F]"),
         ({"joint": 1.5}, "joint): got 1.5, expected a whole number"),
         ({"joint": True}, "joint): got True, expected a whole number"),
@@ -161,6 +164,10 @@ def test_tracers_pass_and_their_shapes_are_looked_at():
     plain = ballsport.fly([0, 1, 0], [3, 4, 0], times.tolist(), physics=physics)
     np.testing.assert_array_equal(jax.jit(flown)(velocity), plain)
     assert np.isfinite(jax.jacfwd(flown)(velocity)).all()
+    parts = jax.grad(
+        lambda x: ballsport.fly([x, 1, 0], [3, 4, 0], [0.5], physics=physics).sum()  # pyright: ignore
+    )
+    assert np.isfinite(parts(1.0))  # a list of numbers, some of them traced
     many = jax.vmap(flown)(jnp.stack([velocity, velocity]))
     np.testing.assert_allclose(many[0], plain, atol=1e-6)
     with pytest.raises(ArgumentError, match=r"fly\(velocity\): got an array of float32\[2\]"):
