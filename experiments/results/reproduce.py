@@ -2,9 +2,11 @@
 
     python -m experiments.results.reproduce --capture FOLDER
 
-Each run leaves a small record in ``experiments/records``, from which alone the documents are
-written. An experiment whose record is of the same settings, inputs, programs and versions is not
-run again; one that was interrupted goes on. Without capture those that need it are left out.
+Each run leaves a small record beside its results. At the end all are copied to
+``experiments/records``, so that each is of the programs as they were at the beginning; from there
+alone the documents are written. An experiment whose record is of the same settings, inputs,
+programs and versions is not run again; one that was interrupted goes on. Without capture those
+that need it are left out.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from pathlib import Path
 
 from experiments.results.documents import write_documents
 from experiments.results.plan import PLAN, Planned
+from mgjax.io.output import replace_file
 
 ROOT = Path(__file__).resolve().parents[2]
 RECORDS = ROOT / "experiments" / "records"
@@ -47,12 +50,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
         known = ", ".join(planned.record for planned in PLAN)
         print(f"reproduce: got --only {options.only}, expected of {known}", file=sys.stderr)
         return 2
-    failed = [p.record for p in wanted if not _run(p, capture, options)]
+    try:
+        failed = [p.record for p in wanted if not _run(p, capture, options)]
+    finally:
+        for planned in [] if options.smoke else wanted:
+            _keep(options.out, options.records, planned)
     if not options.no_documents and not options.smoke:
         write_documents(ROOT, options.records)
     if failed:
         print(f"failed: {', '.join(failed)}", file=sys.stderr)
     return 1 if failed else 0
+
+
+def _keep(out: Path, records: Path, planned: Planned) -> None:
+    """Copies the record of a run that ended."""
+    name = f"{planned.record}.json"
+    if (out / "records" / name).is_file():
+        records.mkdir(parents=True, exist_ok=True)
+        replace_file(records / name, (out / "records" / name).read_bytes())
 
 
 def _run(planned: Planned, capture: Path | None, options: argparse.Namespace) -> bool:
@@ -61,7 +76,7 @@ def _run(planned: Planned, capture: Path | None, options: argparse.Namespace) ->
     if planned.clips and capture is None and not options.smoke:
         print(f"{label} left out: it needs motion capture (--capture)", flush=True)
         return True
-    words = planned.words(ROOT, capture, options.out, options.records)
+    words = planned.words(ROOT, capture, options.out)
     words += ["--smoke"] if options.smoke else []
     module = f"experiments.{planned.experiment.replace('/', '.')}"
     begun = time.monotonic()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -18,23 +19,37 @@ LEFT_OUT = ("files", "points")
 """What a folder of results has beside the record."""
 MOST = 40
 """Longer lists of figures are left to the folder of results."""
+DIGITS = 9
+"""Significant ones of figures, as many as tell apart all of single precision."""
+PLAIN_LIST = re.compile(r"\[\n\s*([^\[\]{}]*?)\n\s*\]")
+"""A list of no lists and tables, an entry a line; texts of JSON have no line breaks themselves."""
 SETTLED = ("experiment", "config", "inputs", "sources", "versions", "git_revision", "machine")
 """What says how a run was made, beside ``metrics`` and ``timings``, which say what it found."""
 
 
 def keep_record(path: str | Path, record: Mapping[str, Any]) -> None:
-    """Writes a record as a file of its own, without what only its folder has, and long lists."""
+    """Writes a record as a file of its own, without what only its folder has, and long lists.
+
+    Plain lists stand on one line, so that a change of one figure is a change of one line.
+    """
     kept = {key: value for key, value in record.items() if key not in LEFT_OUT}
     for part in ("metrics", "timings"):
         kept[part] = _short(kept[part])
     Path(path).parent.mkdir(parents=True, exist_ok=True)
-    replace_file(path, json.dumps(kept, indent=1, allow_nan=False) + "\n")
+    text = json.dumps(kept, indent=1, allow_nan=False)
+    replace_file(path, PLAIN_LIST.sub(_on_a_line, text) + "\n")
+
+
+def _on_a_line(found: re.Match[str]) -> str:
+    return "[" + ", ".join(line.strip() for line in found[1].split(",\n")) + "]"
 
 
 def _short(value: Any) -> Any:
     if isinstance(value, Mapping):
         long = [key for key, item in value.items() if isinstance(item, list) and len(item) > MOST]
         return {key: _short(item) for key, item in value.items() if key not in long}
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}")
     return [_short(item) for item in value] if isinstance(value, list) else value
 
 

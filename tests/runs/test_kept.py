@@ -11,7 +11,14 @@ from mgjax.cli.main import main
 from mgjax.core.errors import FileFormatError
 from mgjax.runs.experiment import execute, identity_of
 from mgjax.runs.identity import inputs_of, settings_of, sources_of
-from mgjax.runs.kept import differences, find_records, load_record, named, ratio
+from mgjax.runs.kept import (
+    differences,
+    find_records,
+    keep_record,
+    load_record,
+    named,
+    ratio,
+)
 from tests.runs import swept
 from tests.runs.toys import Config, Reading, simple, toy
 
@@ -37,6 +44,30 @@ def test_found_and_named(folder: Path) -> None:
         named("toys", [folder])
     with pytest.raises(FileFormatError, match=r"other\.json: got other JSON, expected the record"):
         load_record(folder / "kept" / "other.json")
+
+
+def test_what_is_kept_is_short(folder: Path, tmp_path: Path) -> None:
+    """Plain lists on a line, nine digits, no long lists; the rest is as it was."""
+    record = load_record(folder / "one")
+    metrics = {
+        "rows": [
+            {"p5_p50": [1 / 3, -2e-7 / 3], "name": "a,\n b [c]"},
+            {"none": [], "some": [None]},
+        ],
+        "long": list(range(41)),
+        "count": 1234567890123,
+    }
+    keep_record(tmp_path / "short.json", record | {"metrics": metrics, "timings": {}})
+    text = (tmp_path / "short.json").read_text()
+    assert '   "p5_p50": [0.333333333, -6.66666667e-08],\n' in text
+    expected = {
+        "rows": [
+            {"p5_p50": [0.333333333, -6.66666667e-08], "name": "a,\n b [c]"},
+            {"none": [], "some": [None]},
+        ],
+        "count": 1234567890123,
+    }
+    assert load_record(tmp_path / "short.json")["metrics"] == expected
 
 
 def test_differences(folder: Path) -> None:
