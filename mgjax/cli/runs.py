@@ -46,7 +46,7 @@ def swept(command: SweepRuns) -> None:
     enable_cache()
     if command.samples < 1:
         raise ConfigError(got=f"--samples {command.samples}", expected="1 or more")
-    _, kind = found_experiment(command.experiment)
+    kind = found_experiment(command.experiment).kind
     base = resolve(kind, command.config, smoke=command.smoke, settings=command.set)
     settings = combinations(
         [read_setting(text, "--grid") for text in command.grid],

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 import itertools
 import json
+import operator
 import os
 import sys
 import time
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -29,10 +32,33 @@ from mgjax.runs.record import append_line, flat, plain, versions
 T = TypeVar("T")
 Setting = tuple[str, tuple[Any, ...]]
 """Key, and values of a grid or both ends of a range."""
+LOT = 64
+"""Most runs that are made together."""
 
 
-def found_experiment(name: str) -> tuple[Callable[..., Results], type]:
-    """``run`` and ``Config`` of the module of an experiment, which is looked for here, too.
+@dataclass(frozen=True, kw_only=True)
+class Swept:
+    """An experiment that can be swept.
+
+    Attributes:
+        run: of one config.
+        kind: of its config.
+        traced: dotted keys of settings in which configs may differ that are run together.
+        run_together: of several configs, the results of each; None where each is a run of its own.
+    """
+
+    run: Callable[..., Results]
+    kind: type
+    traced: tuple[str, ...] = ()
+    run_together: Callable[[Sequence[Any]], Sequence[Results]] | None = None
+
+
+def found_experiment(name: str) -> Swept:
+    """The experiment of a module, which is looked for here, too.
+
+    The module has ``run`` and ``Config``. It may have ``run_together`` and ``TRACED``, the names of
+    numbers that one compiled call takes many values of: then runs that differ in these alone are
+    made in one call.
 
     Raises:
         ConfigError: no such module, or one that is no experiment.
@@ -41,7 +67,9 @@ def found_experiment(name: str) -> tuple[Callable[..., Results], type]:
         sys.path.insert(0, os.getcwd())
     try:
         module = importlib.import_module(name)
-        return module.run, module.Config
+        together = getattr(module, "run_together", None)
+        traced = tuple(module.TRACED) if together else ()
+        return Swept(run=module.run, kind=module.Config, traced=traced, run_together=together)
     except (ModuleNotFoundError, AttributeError, ValueError) as error:
         expected = "the module of an experiment, such as experiments.avoidance.success"
         raise ConfigError(got=f"{quoted(name)} ({error})", expected=expected) from None
@@ -109,7 +137,9 @@ def sweep(
     A line is on disk as soon as its run is over, and says ``experiment``, ``fingerprint``,
     ``config.…``, ``metrics.…``, ``timings.…`` and ``seconds``: a table for polars or duckdb. It is
     found again by its fingerprint: settings, inputs, programs and versions. A line that was being
-    written when the process ended is cut off; lines of other runs stay.
+    written when the process ended is cut off; lines of other runs stay. Runs that are made together
+    (:func:`found_experiment`) say how many shared the call as ``together``; their ``seconds`` are
+    equal shares of its time.
 
     Args:
         name: module of the experiment.
@@ -127,35 +157,57 @@ def sweep(
         FileFormatError: the file has other lines.
         WorkerError: a worker ended; finished runs stay in the file.
     """
-    run, _ = found_experiment(name)
+    experiment = found_experiment(name)
     configs = [_set(base, some) for some in settings]
-    keys = _fingerprints(run, configs)
+    keys = _fingerprints(experiment.run, configs)
     there = known_lines(out)
     missing = {key: config for key, config in zip(keys, configs, strict=True) if key not in there}
     label = ".".join(name.split(".")[-2:]).replace(".", "/")
     bar = tqdm(total=len(set(keys)), initial=len(set(keys)) - len(missing), disable=not progress)
     with bar:
-        named = list(missing)
-        tasks: Iterator[tuple[str, Any]] = ((name, missing[key]) for key in named)
-        for number, found in run_all(executor, run_once, tasks):
-            settings_ = plain(settings_of(missing[named[number]]), "config")
-            row = {"experiment": label, "fingerprint": named[number], "config": settings_}
-            append_line(out, flat(row | found))
-            bar.update()
+        lots = _lots(experiment, missing)
+        tasks = ((name, [missing[key] for key in lot]) for lot in lots)
+        for number, rows in run_all(executor, run_lot, tasks):
+            for key, found in zip(lots[number], rows, strict=True):
+                settings_ = plain(settings_of(missing[key]), "config")
+                row = {"experiment": label, "fingerprint": key, "config": settings_}
+                append_line(out, flat(row | found))
+            bar.update(len(rows))
     return len(missing), len(set(keys)) - len(missing)
 
 
-def run_once(task: tuple[str, Any]) -> dict[str, Any]:
-    """Metrics, timings and seconds of one run, in whatever process."""
-    name, config = task
-    run, _ = found_experiment(name)
+def _lots(experiment: Swept, configs: Mapping[str, Any]) -> list[list[str]]:
+    """The names of configs, those together that differ in traced settings only."""
+    alike: dict[str, list[str]] = {}
+    for name, config in configs.items():
+        fixed = plain(settings_of(config), "config")
+        for key in experiment.traced:
+            *tables, last = key.split(".")
+            functools.reduce(operator.getitem, tables, fixed)[last] = None
+        alike.setdefault(json.dumps(fixed) if experiment.traced else name, []).append(name)
+    return [names[i : i + LOT] for names in alike.values() for i in range(0, len(names), LOT)]
+
+
+def run_lot(task: tuple[str, Sequence[Any]]) -> list[dict[str, Any]]:
+    """Metrics, timings and seconds of runs that are made in one call, in whatever process."""
+    name, configs = task
+    experiment = found_experiment(name)
     begun = time.perf_counter()
-    results = measured(run, config)
-    return {
-        "metrics": plain(results.metrics),
-        "timings": plain(results.timings, "timings"),
-        "seconds": round(time.perf_counter() - begun, 4),
-    }
+    if experiment.run_together is None:
+        found: Sequence[Results] = [measured(experiment.run, config) for config in configs]
+    else:
+        found = experiment.run_together(configs)
+    seconds = round((time.perf_counter() - begun) / len(found), 4)
+    together = {} if experiment.run_together is None else {"together": len(found)}
+    return [
+        {
+            "metrics": plain(results.metrics),
+            "timings": plain(results.timings, "timings"),
+            "seconds": seconds,
+        }
+        | together
+        for results in found
+    ]
 
 
 def known_lines(path: str | Path) -> set[str]:

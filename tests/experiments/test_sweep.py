@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+from dataclasses import asdict, replace
+
 import numpy as np
 import pytest
 
+from experiments.avoidance import settings
 from experiments.avoidance.calibrate import Config as Calibrate
 from experiments.avoidance.calibrate import run as calibrate
 from experiments.avoidance.graphs import built
@@ -10,6 +13,7 @@ from experiments.avoidance.sweep import AXES, Config, run
 from experiments.avoidance.throws import OUTCOMES, answer, standard_throws
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.runs.points import Points
+from mgjax.runs.record import flat, plain
 from mgjax.runs.settings import resolve
 
 pytestmark = pytest.mark.long
@@ -38,6 +42,21 @@ def test_defaults_are_the_same_everywhere_and_those_of_a_search() -> None:
     measured = points.measured
     assert run(config, points).metrics == metrics
     assert (points.measured, points.resumed) == (measured, measured)
+
+
+def test_settings_together_are_those_alone() -> None:
+    """Also across scales of the energies, of which the largest bounds what is judged."""
+    config = resolve(settings.Config, smoke=True)
+    energy = config.avoidance.energy
+    changes: list[dict[str, float]] = [{}, {"E_avoidance": 0.5}, {"E_time": 1.25}, {"E_time": 12.0}]
+    configs = [
+        replace(config, avoidance=replace(config.avoidance, energy=replace(energy, **change)))
+        for change in changes
+    ]
+    together = [results.metrics for results in settings.run_together(configs)]
+    assert together == [settings.run(config).metrics for config in configs]
+    assert len({str(metrics) for metrics in together}) > 1
+    assert set(settings.TRACED) <= set(flat(plain(asdict(config), "config")))
 
 
 def test_calibration_is_of_clear_candidates() -> None:

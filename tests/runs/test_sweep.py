@@ -15,8 +15,8 @@ import pytest
 from mgjax.cli.main import main
 from mgjax.core.errors import ConfigError, FileFormatError
 from mgjax.core.parallel.executors import SerialExecutor
-from mgjax.runs.sweep import combinations, known_lines, read_setting, sweep
-from tests.runs import swept
+from mgjax.runs.sweep import LOT, combinations, known_lines, read_setting, sweep
+from tests.runs import swept, swept_together
 
 NAME = "tests.runs.swept"
 ROOT = Path(__file__).resolve().parents[2]
@@ -80,6 +80,31 @@ def test_a_killed_sweep_goes_on(tmp_path: Path) -> None:
     assert main(words[3:]) == 0
     assert [row["config.balls"] for row in rows(file)] == [1, 2, 3, 4]
     assert mark.read_text().splitlines() == ["1", "2", "3", "3", "4"]  # the first two once
+
+
+def test_runs_are_made_together(tmp_path: Path) -> None:
+    """Runs that differ in traced settings alone share a call; each is a line, and goes on alone."""
+    name, base, file = "tests.runs.swept_together", swept_together.Config(), tmp_path / "a.jsonl"
+    few = combinations([("inner.width", (1.5, 2.5)), ("balls", (1, 2)), ("names", (["a"], ["b"]))])
+    swept_together.CALLS.clear()
+    assert sweep(name, base, few, file, executor=SerialExecutor()) == (8, 0)
+    assert sorted(swept_together.CALLS) == [2, 2, 2, 2]
+    found = rows(file)
+    assert all(r["metrics.area"] == r["config.balls"] * r["config.inner.width"] for r in found)
+    assert {row["together"] for row in found} == {2}
+    assert len({row["fingerprint"] for row in found}) == 8
+    more = combinations([("inner.width", tuple(float(x) for x in range(LOT + 3)))])
+    swept_together.CALLS.clear()
+    assert sweep(name, base, [*few, *more], file, executor=SerialExecutor()) == (LOT + 3, 8)
+    assert swept_together.CALLS == [LOT, 3]
+    with ThreadPoolExecutor(2) as made:
+        assert sweep(name, base, [*few, *more], tmp_path / "b", executor=made) == (LOT + 11, 0)
+    strip = ("seconds", "together")
+    both = [
+        [{k: v for k, v in r.items() if k not in strip} for r in rows(f)]
+        for f in (file, tmp_path / "b")
+    ]
+    assert sorted(both[0], key=str) == sorted(both[1], key=str)
 
 
 def test_wrong_calls(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
