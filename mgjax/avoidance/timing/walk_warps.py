@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from mgjax.core.errors import MotionError
-from mgjax.core.timing.time_warp import TimeWarp
+from mgjax.core.timing.time_warp import TimeWarp, scaled_warp
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk
 
@@ -88,10 +88,7 @@ def both_warps(
 
 def linear_warp(graph: MotionGraph, walk: Walk) -> TimeWarp:
     """The walk as its scales say: each edge at one speed."""
-    starts = walk.starts(graph)
-    natural = natural_starts(graph, walk)
-    speeds = np.concatenate([[1.0], np.repeat(1 / walk.scales, 2), [1.0]])
-    return TimeWarp(times=np.repeat(starts, 2), positions=np.repeat(natural, 2), speeds=speeds)
+    return scaled_warp(graph.edge_frames[walk.edges] / graph.frame_rate, walk.scales)
 
 
 def smooth_warp(

@@ -6,12 +6,15 @@ import chex
 import hypothesis
 import hypothesis.strategies as st
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from mgjax.avoidance.body.edge_tables import speed_classes
 from mgjax.avoidance.config import SpeedConfig
 from mgjax.avoidance.timing.time_scale import NOT_ADJUSTABLE, OK, OUT_OF_RANGE, Timing, time_scale
+from mgjax.core.arrays import Array
+from mgjax.core.timing.time_warp import scaled_warp
 from tests.reference import avoidance as reference
 
 HALF_FRAME = 1 / 60
@@ -154,3 +157,44 @@ def test_speed_classes() -> None:
     still = speed_classes(top, SpeedConfig(V_fast=0.3, V_slow=0.1, V_still=0.06))
     np.testing.assert_array_equal(still[0], [True, True, False, False, False, True, True])
     np.testing.assert_array_equal(still[1], [True, True, False, False, False, False, False])
+
+
+def test_slopes_are_finite_differences() -> None:
+    """Of the time scale and of what is shown with it; one by hand; finite where nothing may be
+    scaled."""
+    slow = fast = jnp.array([True, False, True])
+
+    def scaling(seconds: Array, centre: Array, t_attack: Array) -> Timing:
+        return time_scale(
+            seconds, slow, fast, jnp.int64(3), centre, t_attack,
+            half_frame=HALF_FRAME, limits=(jnp.float64(4.0), jnp.float64(4.0)),
+        )  # fmt: skip
+
+    def both(seconds: Array, centre: Array, t_attack: Array) -> Array:
+        found = scaling(seconds, centre, t_attack)
+        shown = scaled_warp(seconds, found.scales).at(jnp.array([0.3, 1.9]))
+        return jnp.stack([found.s_time, *shown])
+
+    with jax.enable_x64(True):
+        at = (jnp.array([0.5, 0.4, 0.8]), jnp.float64(0.3), jnp.float64(2.0))
+        forward = jax.jacfwd(both, argnums=(0, 1, 2))(*at)
+        reverse = jax.jacrev(both, argnums=(0, 1, 2))(*at)
+        # s = (2.0 − 0.4) / 0.8, so it grows by 1 / 0.8 with the time of the attack.
+        np.testing.assert_allclose(both(*at)[0], 2.0)
+        np.testing.assert_allclose(forward[2][0], 1.25)
+        for number, (one, other) in enumerate(zip(forward, reverse, strict=True)):
+            np.testing.assert_allclose(one, other, atol=1e-12)
+            for k in range(at[number].size):
+                moved = jnp.zeros(at[number].size).at[k].set(1e-6).reshape(at[number].shape)
+                more, less = (
+                    both(*at[:number], at[number] + sign * moved, *at[number + 1 :])
+                    for sign in (1, -1)
+                )
+                found = np.asarray(one).reshape(3, -1)[:, k]
+                np.testing.assert_allclose(found, (more - less) / 2e-6, atol=1e-6)
+        still = jnp.zeros(3, bool)
+        scale = partial(
+            time_scale, at[0], still, still, jnp.int64(3), at[1],
+            half_frame=HALF_FRAME, limits=(jnp.float64(4.0), jnp.float64(4.0)),
+        )  # fmt: skip
+        assert float(jax.grad(lambda t: scale(t).s_time)(at[2])) == 0.0
