@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
-import jax
-import jax.numpy as jnp
-import numpy as np
-from jaxtyping import Float, Int
+from dataclasses import dataclass
 
-from mgjax.core.arrays import Array
+import numpy as np
+from jaxtyping import Complex, Float, Int
+
 from mgjax.graph.distances.axis import Axis
 
-_CHUNK = 1024
+_CHUNK = 512
+"""Pairs whose windows are copied at a time: what they take stays in the cache."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Windows:
+    """All windows of an axis, each row one; with sqrt(weight / frames) multiplied in.
+
+    Attributes:
+        about: horizontal places about the middle of their frame, x + iz, m. [N, W J]
+        level: heights, m. [N, W J]
+        path: middles of the frames, m. [N, W]
+        spread: mean square of ``about``, m². [N, W]
+    """
+
+    about: Complex[np.ndarray, "N V"]
+    level: Float[np.ndarray, "N V"]
+    path: Complex[np.ndarray, "N W"]
+    spread: Float[np.ndarray, "N W"]
 
 
 def exact_squared(
@@ -19,6 +36,8 @@ def exact_squared(
     """D² of pairs of windows, hybrid paper eq. 1, in float64, m²; the same both ways round.
 
     Values are multiples of the axis's grain, so that equal windows are as far from all others.
+    Places count from the middle of their frame and middles from that of their window, so nothing
+    large cancels.
 
     Args:
         axis: of all clips.
@@ -26,29 +45,51 @@ def exact_squared(
     """
     pairs = np.stack([np.minimum(rows, columns), np.maximum(rows, columns)])
     out = np.zeros(pairs.shape[1])
-    with jax.enable_x64(True):
-        weights = jnp.asarray(axis.weights, jnp.float64)
-        for first in range(0, len(out), _CHUNK):
-            part = axis.frames[pairs[:, first : first + _CHUNK]]
-            count = part.shape[1]
-            padded = np.pad(part, ((0, 0), (0, _CHUNK - count)), mode="edge")
-            windows = axis.positions[padded[..., None] + np.arange(axis.window)]
-            out[first : first + count] = np.asarray(_squared(windows, weights))[:count]
+    windows = _windows(axis) if len(out) else None
+    for first in range(0, len(out), _CHUNK):
+        assert windows is not None
+        a, b = axis.frames[pairs[:, first : first + _CHUNK]]
+        out[first : first + _CHUNK] = _squared(windows, a, b)
     out[rows == columns] = 0.0
     return np.maximum(np.round(out / axis.grain) * axis.grain, 0.0)
 
 
-@jax.jit
-def _squared(windows: Float[Array, "2 N W J 3"], weights: Float[Array, " J"]) -> Float[Array, " N"]:
-    places = windows.astype(jnp.float64)
-    share = weights / places.shape[2]
-    floor = places[..., ::2]
-    floor = floor - jnp.einsum("pnwjk,j->pnk", floor, share)[:, :, None, None]
-    (ax, az), (bx, bz) = jnp.moveaxis(floor, -1, 1)
-    rise = places[0, ..., 1] - places[1, ..., 1]
+def _windows(axis: Axis) -> _Windows:
+    places = axis.positions.astype(np.float64)
+    share = np.sqrt(axis.weights.astype(np.float64) / axis.window)
+    flat = places[..., 0] + 1j * places[..., 2]
+    middle = flat @ axis.weights.astype(np.float64)
+    about = (flat - middle[:, None]) * share
+    spread = np.vecdot(about, about).real * axis.window
+    each = (about, places[..., 1] * share, middle[:, None], spread[:, None])
+    names = ("about", "level", "path", "spread")
+    return _Windows(
+        **{name: _rows(values, axis.window) for name, values in zip(names, each, strict=True)}
+    )
 
-    def total(values: Array) -> Array:
-        return jnp.einsum("nwj,j->n", values, share)
 
-    spread = total(ax * ax + az * az + bx * bx + bz * bz + rise * rise)
-    return spread - 2 * jnp.hypot(total(ax * bx + az * bz), total(ax * bz - az * bx))
+def _rows(values: np.ndarray, window: int) -> np.ndarray:
+    """A view whose rows are all windows of so many frames, one frame after another. [N, W C]"""
+    values = np.ascontiguousarray(values)
+    return np.lib.stride_tricks.as_strided(
+        values,
+        (len(values) - window + 1, window * values.shape[1]),
+        (values.strides[0], values.itemsize),
+        writeable=False,
+    )
+
+
+def _squared(
+    windows: _Windows, a: Int[np.ndarray, " N"], b: Int[np.ndarray, " N"]
+) -> Float[np.ndarray, " N"]:
+    """D² of the windows that begin at some frames, m²."""
+    count = windows.path.shape[1]
+    paths = [windows.path[each] for each in (a, b)]
+    paths = [(path - path.mean(axis=1, keepdims=True)) / np.sqrt(count) for path in paths]
+    product = np.vecdot(windows.about[a], windows.about[b]) + np.vecdot(*paths)
+    spread = sum(
+        windows.spread[each].mean(axis=1) + np.vecdot(path, path).real
+        for each, path in zip((a, b), paths, strict=True)
+    )
+    rise = windows.level[a] - windows.level[b]
+    return spread + np.vecdot(rise, rise) - 2 * np.abs(product)
