@@ -103,7 +103,7 @@ def selection_json(graph: MotionGraph, selection: Selection) -> dict[str, Any]:
     """
     chosen = selection
     crop = chosen.crop
-    starts = chosen.timing.when(natural_starts(graph, chosen.walk))
+    starts = np.asarray(chosen.timing.when(natural_starts(graph, chosen.walk)))
     length = (chosen.motion.num_frames - 1) / EXPORT_RATE
     return {
         "status": chosen.status,
@@ -160,7 +160,7 @@ def parry_json(parry: Parry) -> dict[str, Any]:
 def _walk_json(graph: MotionGraph, selection: Selection) -> list[dict[str, Any]]:
     walk = selection.walk
     natural = natural_starts(graph, walk)
-    starts = selection.timing.when(natural)
+    starts = np.asarray(selection.timing.when(natural))
     scales = np.diff(starts) / np.diff(natural)
     rows: list[dict[str, Any]] = []
     for i, edge in enumerate(walk.edges):

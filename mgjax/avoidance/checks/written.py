@@ -96,7 +96,7 @@ def walk_motion(
     if warp is None:
         return play_walk(graph, walk, times, begin=begin)
     captured = Walk(edges=walk.edges, scales=np.ones(len(walk.edges)))
-    return play_walk(graph, captured, warp.at(times), rate=EXPORT_RATE, begin=begin)
+    return play_walk(graph, captured, np.asarray(warp.at(times)), rate=EXPORT_RATE, begin=begin)
 
 
 def sphere_trajectory(

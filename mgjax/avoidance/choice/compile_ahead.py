@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import numpy as np
@@ -29,8 +30,11 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.parry.parry import compile_parrying
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.avoidance.refinement.problems import MOMENTS, MOST_MOMENTS
 from mgjax.avoidance.refinement.refine import compile_refining
 from mgjax.core.motion import Motion
+from mgjax.core.parallel.run import run_all
+from mgjax.core.xla.compilation import threads
 from mgjax.graph.feet.course import FeetState
 from mgjax.graph.feet.played import FRAMES, legs_of, play, with_feet
 from mgjax.graph.types import MotionGraph
@@ -60,9 +64,30 @@ def warm_up(
         How many programs there are.
     """
     calls = programs(graph, config=config, horizon=horizon, spheres=spheres)
-    for call in calls:
-        call()
+    compile_all(calls)
     return len(calls)
+
+
+def compile_all(
+    calls: Sequence[Callable[[], object]], watch: Callable[[int], object] | None = None
+) -> None:
+    """Makes calls of :func:`programs`, as many at a time as compiled code has threads: compiling
+    one takes one thread.
+
+    Args:
+        calls: in this order.
+        watch: told how many are done, beginning with none.
+    """
+    watch = watch or (lambda done: None)
+    watch(0)
+    count = threads()
+    with ThreadPoolExecutor(count) as pool:
+        for done, _ in enumerate(run_all(pool, _made, calls, ahead=count), start=1):
+            watch(done)
+
+
+def _made(call: Callable[[], object]) -> None:
+    call()
 
 
 def programs(
@@ -99,7 +124,11 @@ def programs(
         for count in _sizes(CHECK_FRAMES, 4, frames)
         for slot in slots
     ]
-    refined = [partial(compile_refining, prepared, slot) for slot in slots]
+    refined = [
+        partial(compile_refining, prepared, moments, slot)
+        for slot in slots
+        for moments in (MOMENTS, MOST_MOMENTS)
+    ]
     if config.refine == "off":
         refined = []
     if config.parry == "on":

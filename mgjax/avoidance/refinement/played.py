@@ -80,7 +80,7 @@ class Played:
     def planted(self, plants: Bool[np.ndarray, "F L"], times: np.ndarray) -> np.ndarray:
         """Which feet stand at some times, where either of the two frames says so."""
         captured = Walk(edges=self.walk.edges, scales=np.ones(len(self.walk.edges)))
-        frames = frames_at(self.graph, captured, self.timing.at(times))
+        frames = frames_at(self.graph, captured, np.asarray(self.timing.at(times)))
         return plants[frames.low] | plants[frames.high]
 
 

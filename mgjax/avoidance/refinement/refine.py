@@ -25,8 +25,6 @@ from mgjax.avoidance.refinement.played import (
     written_frames,
 )
 from mgjax.avoidance.refinement.problems import (
-    MOMENTS,
-    MOST_MOMENTS,
     empty_problem,
     lane_of,
     last_moment,
@@ -96,16 +94,16 @@ def refine_walks(
     return found
 
 
-def compile_refining(prepared: Prepared, spheres: int) -> None:
-    """Changes motions for nothing, so that no later call compiles: at both numbers of moments.
+def compile_refining(prepared: Prepared, moments: int, spheres: int) -> None:
+    """Changes a motion for nothing, so that no later call of this size compiles.
 
     Args:
         prepared: of the graph.
+        moments: ``MOMENTS`` or ``MOST_MOMENTS``.
         spheres: of the attack, padded.
     """
     rig = refiner_of(prepared.graph).rig
-    for moments in (MOMENTS, MOST_MOMENTS):
-        solve_compiled(rig, empty_problem(prepared.graph, rig, moments, spheres))
+    solve_compiled(rig, empty_problem(prepared.graph, rig, moments, spheres))
 
 
 def checked(

@@ -192,7 +192,8 @@ class Actor:
         source, time = np.array([*self.knots, (self.source, self.time)], np.float64).T
         where = even_warp(time, source).at(np.arange(frames, dtype=np.float64))
         # The inverse of an even warp is another one.
-        seams = even_warp(source, time).at(joined.seams.ravel().astype(np.float64)).reshape(-1, 2)
+        ends = joined.seams.ravel().astype(np.float64)
+        seams = np.asarray(even_warp(source, time).at(ends)).reshape(-1, 2)
         return sample(joined.motion, where), seams[seams[:, 0] < frames]
 
     def part(self, start: int, stop: int) -> Motion:

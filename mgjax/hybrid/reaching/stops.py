@@ -43,7 +43,7 @@ class Playback:
     @cached_property
     def frames(self) -> Float[np.ndarray, " N"]:
         """What is shown in each frame: frames of the walk, between which poses are interpolated."""
-        return self.warp.at(np.arange(self.warp.times[-1] + 1))
+        return np.asarray(self.warp.at(np.arange(float(self.warp.times[-1]) + 1)))
 
     def shown(self, frame: int) -> int:
         """The first shown frame in which the walk has come to a frame."""

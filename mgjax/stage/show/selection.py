@@ -28,7 +28,7 @@ def selection_show(
     """
     if selection.parry is not None:
         attack = selection.parry.left_of(attack)
-    starts = selection.timing.when(natural_starts(graph, selection.walk))
+    starts = np.asarray(selection.timing.when(natural_starts(graph, selection.walk)))
     spans = edge_spans(graph, selection.walk, starts, path_length=selection.path_length)
     moments: list[tuple[str, float]] = [("now", 0.0)]
     if selection.part is not None:

@@ -6,7 +6,7 @@ import threading
 
 import numpy as np
 
-from mgjax.avoidance.choice.compile_ahead import programs
+from mgjax.avoidance.choice.compile_ahead import compile_all, programs
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared, prepare
 from mgjax.clips.synthetic import synthetic_clips
@@ -50,9 +50,10 @@ class ThrowApp:
         prepared = self._prepared = prepare(graph, AvoidanceConfig())
         calls = programs(prepared)
         soon = int(np.ceil(_SOON * len(calls)))
-        for done, call in enumerate(calls[:soon]):
-            progress(0.35 + 0.55 * done / soon, f"compiling {done + 1} of {soon}")
-            call()
+        compile_all(
+            calls[:soon],
+            lambda done: progress(0.35 + 0.55 * done / soon, f"compiled {done} of {soon}"),
+        )
         progress(0.92, "a first throw")
         warm_session(prepared)
 
