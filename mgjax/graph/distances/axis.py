@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,6 +11,7 @@ from jaxtyping import Bool, Float, Int
 
 from mgjax.core.arrays import Array
 from mgjax.graph.distances.distance import WindowFeatures, centre_of, features_about
+from mgjax.graph.distances.windows import Windows, windows_of
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,6 +46,11 @@ class Axis:
 
     def __len__(self) -> int:
         return len(self.frames)
+
+    @cached_property
+    def windows(self) -> Windows:
+        """All windows in float64."""
+        return windows_of(self.positions, self.weights, self.window)
 
     def tiles(self, size: int) -> int:
         """How many tiles of so many entries there are, beside the margin in front."""
