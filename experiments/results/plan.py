@@ -65,7 +65,7 @@ PLAN = (
     Planned(experiment="avoidance/reaction_time", clips=AVOIDANCE, settings=("balls=100",)),
     Planned(experiment="avoidance/calibrate", clips=AVOIDANCE, settings=("balls=100",)),
     Planned(experiment="quality/blends", clips=AVOIDANCE, settings=("most=300", "seams=1000")),
-    Planned(experiment="quality/seams", clips=AVOIDANCE, settings=("walks=200",)),
+    Planned(experiment="quality/seams", clips=AVOIDANCE, settings=("walks=1000",)),
     Planned(experiment="avoidance/success", clips=AVOIDANCE, settings=("balls=50",)),
     Planned(
         experiment="avoidance/connectivity",

@@ -64,7 +64,12 @@ def stage_store(folder: str | Path) -> StageStore:
     Raises:
         OutputError: nothing can be written there.
     """
-    return StageStore(folder, f"{_programs()}, jax {jax.__version__}, {jax.default_backend()}")
+    return StageStore(folder, made_by())
+
+
+def made_by() -> str:
+    """The text of the programs, jax, and its backend: what the files of two runs may differ by."""
+    return f"{_programs()}, jax {jax.__version__}, {jax.default_backend()}"
 
 
 @cache

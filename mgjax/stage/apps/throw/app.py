@@ -9,10 +9,8 @@ import numpy as np
 from mgjax.avoidance.choice.compile_ahead import compile_all, programs
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared, prepare
-from mgjax.clips.synthetic import synthetic_clips
 from mgjax.core.errors import GraphError
-from mgjax.graph.build import build_graph
-from mgjax.graph.config import EMBEDDED
+from mgjax.graph.embedded import embedded_graph
 from mgjax.graph.files import load_graph
 from mgjax.graph.types import MotionGraph
 from mgjax.stage.apps.throw.session import ThrowSession
@@ -76,8 +74,7 @@ class ThrowApp:
 
     def _graph(self) -> MotionGraph:
         if self._options.graph is None:
-            clips, labels = synthetic_clips()
-            return build_graph(clips, labels=labels, config=EMBEDDED)
+            return embedded_graph()
         graph = load_graph(self._options.graph)
         if not len(graph.label_kind):
             raise GraphError(
