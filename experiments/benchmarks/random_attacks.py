@@ -158,7 +158,6 @@ def run(config: Config) -> Results:
     metrics = {
         "attacks": config.attacks,
         "raised": raised,
-        "raised_count": len(raised),
         "avoided_but_touched": len(touched),
         "touched": touched,
         "accepted_that_had_to_be_refused": accepted,

@@ -107,11 +107,13 @@ class Server:
             task.result()
 
     async def _end(self, server: WebSocketServer) -> None:
+        worker = self._worker
+        assert worker is not None
+        # A worker that cannot speak does not listen, and that it ended is only noticed once all
+        # that it said has been read.
+        rest = asyncio.create_task(_discard(worker.stdout))
         server.close()
         await server.wait_closed()
-        worker = self._worker
-        if worker is None:
-            return
         if worker.stdin is not None:
             worker.stdin.close()
         try:
@@ -119,6 +121,7 @@ class Server:
         except TimeoutError:
             worker.kill()
             await worker.wait()
+        await rest
 
     async def _relay(self) -> None:
         """Passes on what the worker says, until it ends; raises with what it failed on."""
@@ -210,6 +213,12 @@ class Server:
             await worker.stdin.drain()
         except (BrokenPipeError, ConnectionResetError):
             return  # it has ended, which :meth:`_relay` tells
+
+
+async def _discard(stream: asyncio.StreamReader | None) -> None:
+    """Reads what nobody wants any more."""
+    while stream is not None and await stream.read(2**16):
+        pass
 
 
 def _policy(host: str) -> str:

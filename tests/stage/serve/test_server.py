@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import http.client
 import json
@@ -22,6 +23,8 @@ from mgjax.clips.synthetic import synthetic_clips
 from mgjax.core.motion import cut
 from mgjax.io.bvh.write import save_bvh
 from mgjax.stage.packet import unpack
+from mgjax.stage.serve.options import Options
+from mgjax.stage.serve.server import Server
 
 PATIENCE_S = 120.0
 
@@ -213,3 +216,23 @@ def test_another_address_is_warned_of(clip: Path):
     status, err = running.end()
     assert status == 0
     assert err.startswith("mgjax: warning: whoever reaches 0.0.0.0")
+
+
+def test_it_ends_though_the_worker_says_more_than_is_read() -> None:
+    """Nobody reads what the worker says once the page is closed; it fills every buffer."""
+
+    async def end() -> int | None:
+        server = Server(Options(app="show"), "127.0.0.1", 0)
+        listening = await server._listen()
+        server._worker = await asyncio.create_subprocess_exec(
+            sys.executable,
+            "-c",
+            "import sys\nwhile True: sys.stdout.buffer.write(bytes(2**16))",
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+        )
+        await asyncio.sleep(0.5)  # until its reader has paused
+        await asyncio.wait_for(server._end(listening), PATIENCE_S)
+        return server._worker.returncode
+
+    assert asyncio.run(end()) == -signal.SIGKILL
