@@ -12,9 +12,11 @@ import numpy as np
 import pytest
 
 from mgjax.avoidance import EnergyConfig, clearance, energies, soft_energies
+from mgjax.avoidance.timing.time_scale import time_scale
 from mgjax.ballsport import BallPhysics, aim, contact_times, fly
 from mgjax.clips.synthetic_skeleton import synthetic_skeleton
 from mgjax.core import kinematics
+from mgjax.core.timing.time_warp import scaled_warp
 from mgjax.hybrid import fabrik
 from tests.avoidance.energy.test_energies import DT, problem
 
@@ -121,6 +123,32 @@ def _forward() -> Case:
     return Case(places, point, point)
 
 
+def _time_scale() -> Case:
+    """Two edges of three may be scaled; and a walk of no length, of which none can."""
+    may = np.array([True, False, True])
+
+    def scaling(seconds: Any, centre: Any, t_attack: Any) -> jax.Array:
+        found = time_scale(
+            seconds, may, may, jnp.int32(3), centre, t_attack,
+            half_frame=1 / 60, limits=(jnp.float32(4.0), jnp.float32(4.0)),
+        )  # fmt: skip
+        return jnp.concatenate([found.s_time[None], found.scales])
+
+    walk = np.float32([0.5, 0.4, 0.8]), np.float32(0.3), np.float32(2.0)
+    return Case(scaling, walk, (np.zeros(3, np.float32), np.float32(0.0), np.float32(2.0)))
+
+
+def _scaled_warp() -> Case:
+    """Within pieces; and asked at the knots of pieces of no length."""
+
+    def shown(asked: Any, durations: Any, scales: Any) -> jax.Array:
+        return scaled_warp(durations, scales).at(asked)
+
+    asked, durations = np.float32([0.2, 0.7, 1.5]), np.float32([0.4, 0.7, 0.5])
+    none = np.zeros(3, np.float32), np.zeros(3, np.float32), np.ones(3, np.float32)
+    return Case(shown, (asked, durations, np.float32([1.0, 0.8, 1.5])), none)
+
+
 CASES = {
     "mgjax.avoidance.energies": _energies,
     "mgjax.avoidance.soft_energies": _soft_energies,
@@ -130,6 +158,8 @@ CASES = {
     "mgjax.ballsport.aim": _aim,
     "mgjax.hybrid.fabrik": _fabrik,
     "mgjax.core.kinematics.forward": _forward,
+    "mgjax.avoidance.timing.time_scale.time_scale": _time_scale,
+    "mgjax.core.timing.time_warp.scaled_warp": _scaled_warp,
 }
 
 
