@@ -18,7 +18,7 @@ CANNOT_RUN = {
     "README.md": ["makes an environment"],
     "docs/index.md": ["makes an environment", "makes an environment", "needs a network"],
     "docs/howto/page.md": ["serves a page until it is stopped"],
-    "docs/howto/python.md": ["minutes of computing", "minutes of computing"],
+    "docs/howto/python.md": ["minutes of computing"] * 3,
     "docs/howto/label.md": ["serves a page until it is stopped"],
     "docs/howto/sensor.md": ["installs a package", "needs a sensor"],
     "docs/howto/export.md": ["needs Blender"],
