@@ -2,8 +2,8 @@
 
 Balls that are fast, slow, tiny, huge, under way already, falling, through the floor or at rest;
 several at once; spheres that turn sharply; and attacks that have to be refused. The motion of every
-answer that is called avoided is swept 240 times a second, in double precision, by code that shares
-nothing with the search and its check. Everything is compiled first; programs that are compiled
+answer that is called avoided is swept 240 times a second, in double precision, by code that is not
+that of the search or its check. Everything is compiled first; programs that are compiled
 after that, and memory, are counted.
 
     python -m experiments.benchmarks.random_attacks --set graph=DIR --set attacks=10000
@@ -30,6 +30,7 @@ from mgjax.avoidance.body.spheres import preset_spheres, sphere_centres
 from mgjax.avoidance.choice.compile_ahead import warm_up
 from mgjax.avoidance.choice.selection import select
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.rates import CLEAR_M
 from mgjax.core.errors import AttackError
 from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion, sample
@@ -147,7 +148,7 @@ def run(config: Config) -> Results:
         found[kind, answer.status] += 1
         if answer.status == "avoided":
             least = least_distance(graph, attack, answer.motion)
-            if least < -SWEPT_WITHIN_M:
+            if least < CLEAR_M - SWEPT_WITHIN_M:
                 touched.append({"kind": kind, "number": number, "m": least})
         if number + 1 == config.attacks // 2:
             memory.append(_megabytes())
