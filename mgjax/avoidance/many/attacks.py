@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, replace
 from functools import partial
@@ -28,6 +28,7 @@ from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.energy.score import ROWS
 from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.many.groups import (
+    MOST,
     Asked,
     all_asked,
     firsts_of,
@@ -115,13 +116,10 @@ def select_batch(
     prepared = prepared_for(graph, config, index)
     questions = ask_all(prepared, places, attacks, config)
     answers = _no_answers(len(attacks))
-    doubtful: list[tuple[Asked, SearchResult]] = []
-    tasks = groups(all_asked(questions, answers))
-    with ThreadPoolExecutor(threads()) as pool:
-        # While some groups are computed the next ones are laid out.
-        for _, (group, result) in run_all(pool, partial(_search, questions), tasks, ahead=AHEAD):
-            doubtful += _decide_by_bounds(group, result, answers, config)
-    for asked, result in doubtful:
+    # All candidates of those that are not certain then are judged.
+    doubtful = _searched(questions, all_asked(questions, answers), answers, whole=False)
+    rest = _searched(questions, (asked for asked, _ in doubtful), answers, whole=True)
+    for asked, result in rest:
         _look_closer(questions, asked, result, answers)
     if config.refine != "off" or prepared.index is not None:
         _choose_rest(prepared, places, attacks, answers, config)
@@ -182,7 +180,22 @@ def _no_answers(count: int) -> dict[str, np.ndarray]:
     return answers
 
 
-def _search(questions: Questions, group: list[Asked]) -> tuple[list[Asked], SearchResult]:
+def _searched(
+    questions: Questions, asked: Iterable[Asked], answers: dict[str, np.ndarray], *, whole: bool
+) -> list[tuple[Asked, SearchResult]]:
+    """Answers some attacks in groups; those of which more has to be known."""
+    doubtful: list[tuple[Asked, SearchResult]] = []
+    with ThreadPoolExecutor(threads()) as pool:
+        work = partial(_search, questions, whole)
+        # While some groups are computed the next ones are laid out.
+        for _, (group, result) in run_all(pool, work, groups(asked), ahead=AHEAD):
+            doubtful += _decide_by_bounds(group, result, answers, questions.config)
+    return doubtful
+
+
+def _search(
+    questions: Questions, whole: bool, group: list[Asked]
+) -> tuple[list[Asked], SearchResult]:
     """A group, and what compiled code says of it."""
     prepared, config = questions.prepared, questions.config
     first = firsts_of(group)
@@ -192,6 +205,7 @@ def _search(questions: Questions, group: list[Asked]) -> tuple[list[Asked], Sear
         walks,
         attack_batch,
         starts_of(first, walks.table.shape[1]),
+        np.full(MOST, whole),
         in_32_bits(config.energy),
         frame_rate=prepared.graph.frame_rate,
         limit_scale=config.limit_scale,

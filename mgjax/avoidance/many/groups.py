@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -171,7 +171,7 @@ def _asked(
         )
 
 
-def groups(all_asked: Iterator[Asked]) -> Iterator[list[Asked]]:
+def groups(all_asked: Iterable[Asked]) -> Iterator[list[Asked]]:
     """Attacks that are answered in one call: of equal shapes, as many as have room."""
     waiting: dict[tuple, tuple[list[Asked], int]] = {}
     for asked in all_asked:
