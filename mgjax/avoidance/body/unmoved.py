@@ -135,7 +135,7 @@ def _placed_spheres(
 ) -> Float[np.ndarray, "B 3 K S"]:
     """The spheres of frames, each frame at a place of its own."""
     used, row = np.unique(frames, return_inverse=True)
-    centres = np.moveaxis(sphere_centres(spheres, graph.positions[used]), 2, 0)
+    centres = np.moveaxis(np.asarray(sphere_centres(spheres, graph.positions[used])), 2, 0)
     x, y, z = centres[:, row.reshape(frames.shape)]
     turn, to_x, to_z = place[..., None]
     c, s = np.cos(turn), np.sin(turn)

@@ -1,13 +1,13 @@
 """What candidates promise before they are judged: most of them cannot be the best.
 
 The time scale and the movement of a candidate are found at a fraction of the cost of its other
-energies, which are not negative: they bound its total from below. Where the attack touches its body
-at any one of a few moments it is touched, and comes after all that are not.
+energies, which are not negative: they bound its total from below. Where the attack is deep in its
+body at any one of a few moments it is touched, and comes after all that are not.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import jax
 import jax.numpy as jnp
@@ -38,8 +38,14 @@ FIRST = 16
 ROUNDING = 1e-3
 """What a bound may be off by, m or in units of energy."""
 
+DEEP_M = 0.021
+"""How deep samples have to be touched to count. Such a motion is hit, without doubt."""
+
 UNJUDGED = 1e30
 """Total of a candidate that cannot be the best."""
+
+
+_MEASURES = tuple(field.name for field in fields(Measures))
 
 
 @register()
@@ -50,7 +56,7 @@ class Promise:
     Attributes:
         timing: when they are played.
         least: their total is at least this. [C]
-        touched: whether the attack surely touches their samples. [C]
+        touched: whether the attack is surely ``DEEP_M`` and more in their samples. [C]
     """
 
     timing: Timing
@@ -102,7 +108,7 @@ def _touched(
     times = jnp.broadcast_to(own_times, (LOOKS, walks.length.shape[0]))
     body = spheres_at(tables, locate(tables, placed, times))
     x, y, z = (body[k] - centres[..., k, None] for k in range(3))
-    reach = tables.radii + radii[:, None] - ROUNDING
+    reach = (tables.radii[None] + radii[:, None] - DEEP_M)[None]
     near = (x * x + y * y + z * z < reach * reach) & (reach > 0)
     there = present[..., 0] & (times <= placed.stop[None])
     return jnp.any(near & there[..., None], axis=(0, 2))
@@ -123,7 +129,7 @@ def judge_promising(
 
     They are judged in three rounds: first the ``FIRST`` of each attack that promise most; then all
     that promise more than the best of these that is clear; and, of attacks of which none is clear,
-    all. What is not judged has the total ``UNJUDGED`` and d = 0.
+    all. What is not judged has the total ``UNJUDGED`` and d = 0, or −1 m where it is touched.
 
     Args:
         tables, attack_batch, config, half_frame, limit_scale: see
@@ -151,23 +157,21 @@ def judge_promising(
     order = jnp.lexsort((jnp.where(known.touched | ~fit, UNJUDGED, known.least), owner))
     rank = jnp.zeros_like(numbers).at[order].set(numbers - first[owner])
 
-    def judged(lanes: Int[Array, " C"], chosen: Array) -> Float[Array, "5 C"]:
+    def judged(lanes: Int[Array, " C"], chosen: Array) -> Float[Array, "M C"]:
         """The measures of the first ``chosen`` of some candidates."""
 
         def one(tile: Array | int) -> Array:
             at = tile * CANDIDATE_TILE + jnp.arange(CANDIDATE_TILE, dtype=jnp.int32)
             own = walks.rows(lanes[at])
             length = jnp.where(at < chosen, own.length, 0)
-            own = replace(own, table=own.table.at[-3].set(length))
+            own = replace(own, table=jnp.asarray(own.table).at[-3].set(length))
             measures = judge_tile(tables, own, attack_batch, config, **given).measures
-            return jnp.stack(jax.tree.leaves(measures))
+            return jnp.stack([getattr(measures, name) for name in _MEASURES])
 
         return over_tiles(one, size, chosen, lambda nothing: nothing)
 
     def scores_of(rows: Array) -> tuple[Measures, Array]:
-        measures = Measures(
-            penetration=rows[0], d=rows[1], d0=rows[2], displacement=rows[3], s_time=rows[4]
-        )
+        measures = Measures(**dict(zip(_MEASURES, rows, strict=True)))
         return measures, score(measures, config).total
 
     def turn(number: Array, state: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -184,11 +188,11 @@ def judge_promising(
         found = found[:, jnp.minimum(place, size - 1)]
         return jnp.where(asked, found, rows), done | asked
 
-    none = jnp.zeros((5, size), jnp.float32), jnp.zeros(size, bool)
+    none = jnp.zeros((len(_MEASURES), size), jnp.float32), jnp.zeros(size, bool)
     rows, done = jax.lax.fori_loop(0, 3, turn, none)
     measures, total = scores_of(rows)
-    scores = score(replace(measures, s_time=known.timing.s_time), config)
-    scores = replace(scores, total=jnp.where(done, total, UNJUDGED))
+    scores = replace(score(measures, config), total=jnp.where(done, total, UNJUDGED))
+    measures = replace(measures, d=jnp.where(known.touched & ~done, -1.0, measures.d))
     return Judged(timing=known.timing, measures=measures, scores=scores)
 
 

@@ -119,8 +119,9 @@ def select_batch(
     # All candidates of those that are not certain then are judged.
     doubtful = _searched(questions, all_asked(questions, answers), answers, whole=False)
     rest = _searched(questions, (asked for asked, _ in doubtful), answers, whole=True)
-    for asked, result in rest:
-        _look_closer(questions, asked, result, answers)
+    with ThreadPoolExecutor(threads()) as pool:
+        for asked, choice in pool.map(partial(_look_closer, questions), *zip(*rest, strict=True)):
+            _fill(answers, asked.number, choice)
     if config.refine != "off" or prepared.index is not None:
         _choose_rest(prepared, places, attacks, answers, config)
     elif can_widen(config):
@@ -253,16 +254,14 @@ def _alone(result: SearchResult, firsts: Int[np.ndarray, " A1"], row: int) -> Se
     """What was found for one of several attacks."""
     begin, end = firsts[row], firsts[row + 1]
     return SearchResult(
-        table=result.table[:, begin:end],
-        scales=result.scales[:, begin:end],
+        table=result.table[:, begin:end].copy(),
+        scales=result.scales[:, begin:end].copy(),
         order=result.order[begin:end] - begin,
         bounds=jax.tree.map(lambda x: x[row : row + 1], result.bounds),
     )
 
 
-def _look_closer(
-    questions: Questions, asked: Asked, result: SearchResult, answers: dict[str, np.ndarray]
-) -> None:
+def _look_closer(questions: Questions, asked: Asked, result: SearchResult) -> tuple[Asked, Choice]:
     """Decides on one attack alone, with the exact check where bounds leave a doubt."""
     query, candidates = questions.query(asked.number, asked.attack_batch), asked.candidates
     padded = search_input(query, candidates)
@@ -270,7 +269,7 @@ def _look_closer(
     dropped = Dropped(overflow=candidates.overflow)
     choice = decide(query, padded, result, len(candidates.length), dropped).choice
     assert choice is not None
-    _fill(answers, asked.number, choice)
+    return asked, choice
 
 
 def _fill(answers: dict[str, np.ndarray], number: int, choice: Choice) -> None:

@@ -19,7 +19,7 @@ from mgjax.avoidance.many.questions import Questions
 from mgjax.core.csr import expand_rows, row_starts
 from mgjax.core.xla.padding import bucket_size
 
-TOGETHER = 2048
+TOGETHER = 8192
 """Candidates of one call, of as many attacks as have room."""
 
 
