@@ -157,7 +157,11 @@ T = TypeVar("T")
 
 
 def over_tiles(
-    one: Callable[[Array | int], T], size: int, count: Array, padding: Callable[[T], T]
+    one: Callable[[Array | int], T],
+    size: int,
+    count: Array,
+    padding: Callable[[T], T],
+    tile_size: int = CANDIDATE_TILE,
 ) -> T:
     """What ``one`` says of each of the tiles that hold the first ``count`` of some candidates.
 
@@ -166,6 +170,7 @@ def over_tiles(
         size: candidates and padding.
         count: candidates.
         padding: from zeros what is said of the others.
+        tile_size: candidates of a tile.
     """
     shapes = jax.eval_shape(one, 0)
     nothing = padding(jax.tree.map(lambda x: jnp.zeros((*x.shape[:-1], size), x.dtype), shapes))
@@ -173,13 +178,13 @@ def over_tiles(
     def step(tile: Array, known: T) -> T:
         return jax.tree.map(
             lambda total, part: jax.lax.dynamic_update_slice_in_dim(
-                total, part, tile * CANDIDATE_TILE, axis=total.ndim - 1
+                total, part, tile * tile_size, axis=total.ndim - 1
             ),
             known,
             one(tile),
         )
 
-    tiles = (count + CANDIDATE_TILE - 1) // CANDIDATE_TILE
+    tiles = (count + tile_size - 1) // tile_size
     return jax.lax.fori_loop(0, tiles, step, nothing)
 
 

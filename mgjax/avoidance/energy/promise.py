@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float, Int
 from mgjax.avoidance.attacks.batch import AttackBatch, AttackColumn, active_at, centres_at
 from mgjax.avoidance.body.device_tables import DeviceTables
 from mgjax.avoidance.body.volumes import PlacedEdges, locate, spheres_at
-from mgjax.avoidance.candidates.batch import CANDIDATE_TILE, CandidateBatch
+from mgjax.avoidance.candidates.batch import CandidateBatch
 from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.displacement import displacements
 from mgjax.avoidance.energy.evaluate import Judged, judge_tile, over_tiles, timed_and_placed
@@ -40,6 +40,10 @@ ROUNDING = 1e-3
 
 DEEP_M = 0.021
 """How deep samples have to be touched to count. Such a motion is hit, without doubt."""
+
+TILE = 256
+"""Candidates that are looked at together; more than in a search for one attack, where there are
+fewer."""
 
 UNJUDGED = 1e30
 """Total of a candidate that cannot be the best."""
@@ -144,7 +148,7 @@ def judge_promising(
     numbers = jnp.arange(size, dtype=jnp.int32)
 
     def promise(tile: Array | int) -> Promise:
-        own = walks.rows(tile * CANDIDATE_TILE + jnp.arange(CANDIDATE_TILE, dtype=jnp.int32))
+        own = walks.rows(tile * TILE + jnp.arange(TILE, dtype=jnp.int32))
         return promise_tile(tables, own, attack_batch, config, **given)
 
     def padding(nothing: Promise) -> Promise:
@@ -152,7 +156,7 @@ def judge_promising(
         return replace(nothing, timing=replace(nothing.timing, status=status))
 
     count = jnp.sum((walks.length > 0).astype(jnp.int32))
-    known = over_tiles(promise, size, count, padding)
+    known = over_tiles(promise, size, count, padding, TILE)
     fit = known.timing.status == OK
     order = jnp.lexsort((jnp.where(known.touched | ~fit, UNJUDGED, known.least), owner))
     rank = jnp.zeros_like(numbers).at[order].set(numbers - first[owner])
@@ -161,14 +165,14 @@ def judge_promising(
         """The measures of the first ``chosen`` of some candidates."""
 
         def one(tile: Array | int) -> Array:
-            at = tile * CANDIDATE_TILE + jnp.arange(CANDIDATE_TILE, dtype=jnp.int32)
+            at = tile * TILE + jnp.arange(TILE, dtype=jnp.int32)
             own = walks.rows(lanes[at])
             length = jnp.where(at < chosen, own.length, 0)
             own = replace(own, table=jnp.asarray(own.table).at[-3].set(length))
             measures = judge_tile(tables, own, attack_batch, config, **given).measures
             return jnp.stack([getattr(measures, name) for name in _MEASURES])
 
-        return over_tiles(one, size, chosen, lambda nothing: nothing)
+        return over_tiles(one, size, chosen, lambda nothing: nothing, TILE)
 
     def scores_of(rows: Array) -> tuple[Measures, Array]:
         measures = Measures(**dict(zip(_MEASURES, rows, strict=True)))
