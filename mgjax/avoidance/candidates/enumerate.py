@@ -242,11 +242,3 @@ def _grow(
 def _none(overflow: int) -> Candidates:
     empty = np.zeros(0, dtype=np.int64)
     return Candidates(edges=np.full((0, 1), NO_EDGE), length=empty, part=empty, overflow=overflow)
-
-
-def natural_times(tables: EdgeTables, candidates: Candidates) -> Float[np.ndarray, " C"]:
-    """t_avoid of each candidate at natural speed, s from the beginning of its walk."""
-    column = np.arange(candidates.edges.shape[1])
-    before = column[None] < candidates.length[:, None] - 1
-    seconds = np.where(before, tables.seconds[np.maximum(candidates.edges, 0)], 0.0)
-    return seconds.sum(axis=1) + tables.part_centre[candidates.part]

@@ -36,10 +36,11 @@ FIRST = 16
 """Candidates of each attack that are judged first, those that promise most."""
 
 ROUNDING = 1e-3
-"""What a bound may be off by, m or in units of energy."""
+"""What a bound may be off by: in units of energy, and as a share of it."""
 
 DEEP_M = 0.021
-"""How deep samples have to be touched to count. Such a motion is hit, without doubt."""
+"""How deep samples have to be touched to count. Such a motion is hit, without doubt
+(:data:`mgjax.avoidance.choice.search.HOPELESS_M`)."""
 
 TILE = 256
 """Candidates that are looked at together; more than in a search for one attack, where there are
@@ -183,7 +184,7 @@ def judge_promising(
         measures, total = scores_of(rows)
         clear = jnp.where(done & (measures.d >= 0), total, UNJUDGED)
         best = jnp.full(whole.shape, UNJUDGED, jnp.float32).at[owner].min(clear)[owner]
-        promising = ~known.touched & ~(known.least > best + ROUNDING)
+        promising = ~known.touched & ~(known.least > best + ROUNDING * (1 + best))
         asked = jnp.where(number == 1, promising, best >= UNJUDGED)
         asked = jnp.where(number == 0, (rank < FIRST) | whole[owner], asked) & fit & ~done
         place = jnp.where(asked, jnp.cumsum(asked.astype(jnp.int32)) - 1, size)

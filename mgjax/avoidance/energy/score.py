@@ -2,7 +2,9 @@
 
 Measures do not depend on the settings of the energies; scores do. A new term is a field of
 :class:`Scores`, a line of :func:`score`, a field of :class:`Energy`, and its settings in
-:class:`~mgjax.avoidance.config.EnergyConfig`; a new measure comes from the kernel.
+:class:`~mgjax.avoidance.config.EnergyConfig`; a new measure comes from the kernel. A term that can be
+negative has to be known in :mod:`~mgjax.avoidance.energy.promise`, which takes the others to be 0 or
+more.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ import pytest
 
 from mgjax.avoidance import choose, select_batch
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.candidates.enumerate import enumerate_candidates, natural_times
+from mgjax.avoidance.candidates.enumerate import enumerate_nodes
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.choice.search import (
     DEPTH,
@@ -28,7 +28,7 @@ from mgjax.avoidance.prepared import prepared_for
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.graph.types import MotionGraph
-from tests.avoidance.made import throw
+from tests.avoidance.made import natural_times, throw
 
 
 def questions(graph: MotionGraph, count: int) -> tuple[np.ndarray, list[Attack]]:
@@ -125,12 +125,12 @@ def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
 
 
 def test_natural_times(made_graph: MotionGraph) -> None:
-    config = AvoidanceConfig(refine="off")
-    tables = prepared_for(made_graph, config).tables
-    found = enumerate_candidates(made_graph, tables, 3, 1.2, window=2.0, capacity=50)
-    assert len(found.length)
-    for row, time in enumerate(natural_times(tables, found)):
-        edges = found.edges[row, : found.length[row]]
-        wanted = tables.seconds[edges[:-1]].sum() + tables.part_centre[found.part[row]]
-        np.testing.assert_allclose(time, wanted)
-        assert abs(time - 1.2) < 1.0
+    tables = prepared_for(made_graph, AvoidanceConfig()).tables
+    nodes, low = np.array([3, 40]), np.array([0.2, 0.4])
+    found = enumerate_nodes(made_graph, tables, nodes, low, low + 2.0)
+    times = natural_times(tables, found.some(np.arange(len(found.length)), 0))
+    np.testing.assert_allclose(found.t_avoid, times)
+    for node, begin in enumerate(low):
+        own = times[slice(*found.first[node : node + 2])]
+        assert len(own)
+        assert (np.abs(own - begin - 1.0) < 1.0).all()
