@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float, Int
 from mgjax.avoidance.attacks.batch import AttackBatch, AttackColumn, active_at, centres_at
 from mgjax.avoidance.body.device_tables import DeviceTables
 from mgjax.avoidance.body.volumes import PlacedEdges, locate, spheres_at
-from mgjax.avoidance.candidates.batch import CandidateBatch
+from mgjax.avoidance.candidates.batch import CANDIDATE_TILE, CandidateBatch
 from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.displacement import displacements
 from mgjax.avoidance.energy.evaluate import Judged, judge_tile, over_tiles, timed_and_placed
@@ -42,9 +42,9 @@ DEEP_M = 0.021
 """How deep samples have to be touched to count. Such a motion is hit, without doubt
 (:data:`mgjax.avoidance.choice.search.HOPELESS_M`)."""
 
-TILE = 256
-"""Candidates that are looked at together; more than in a search for one attack, where there are
-fewer."""
+TILE = CANDIDATE_TILE
+"""Candidates that are looked at together. As many as in a search for one attack, so that energies
+agree to the last bit; with four times as many it is a tenth faster."""
 
 UNJUDGED = 1e30
 """Total of a candidate that cannot be the best."""
