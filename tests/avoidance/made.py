@@ -8,6 +8,8 @@ import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_from
+from mgjax.avoidance.body.edge_tables import EdgeTables
+from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.rates import EXPORT_RATE
 from mgjax.clips.synthetic import synthetic_skeleton
 from mgjax.core.kinematics import planar_frames
@@ -131,3 +133,11 @@ def captured_motion(
         return sample_walk(graph, walk, times)
     plain = Walk(edges=walk.edges, scales=np.ones(len(walk.edges)))
     return replace(sample_walk(graph, plain, warp.at(times)), frame_rate=EXPORT_RATE)
+
+
+def natural_times(tables: EdgeTables, candidates: Candidates) -> np.ndarray:
+    """t_avoid of each candidate at natural speed, s from the beginning of its walk. [C]"""
+    column = np.arange(candidates.edges.shape[1])
+    before = column[None] < candidates.length[:, None] - 1
+    seconds = np.where(before, tables.seconds[np.maximum(candidates.edges, 0)], 0.0)
+    return seconds.sum(axis=1) + tables.part_centre[candidates.part]

@@ -11,11 +11,11 @@ import numpy as np
 
 from mgjax.avoidance.attacks.attack import Attack
 
-_RATE = 1000.0
+RATE = 1000.0
 """Moments per second at which an attack is looked at."""
 _FEW = 24
 """Most coordinates of knots that are looked at one by one."""
-_MARGIN_M = 1e-6
+MARGIN_M = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +46,7 @@ def crop_attack(attack: Attack, *, radius: float, height: float, start: float = 
     begin, end = max(attack.start, float(start)), attack.end
     if end < begin:
         return None
-    count = math.ceil((end - begin) * _RATE) + 2
+    count = math.ceil((end - begin) * RATE) + 2
     samples = _Samples(begin=begin, end=end, step=(end - begin) / (count - 1), count=count)
     # Lines of few knots are clipped one by one; to look at many knots at once is quicker.
     few = len(attack.times) > 1 and attack.centres.size <= _FEW
@@ -160,12 +160,12 @@ class _Line(NamedTuple):
         a, b = self.a, self.b
         low, high = 0.0, 1.0
         dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-        if abs(dy) > _MARGIN_M:
-            ends = sorted(((-_MARGIN_M - a[1]) / dy, (height + _MARGIN_M - a[1]) / dy))
+        if abs(dy) > MARGIN_M:
+            ends = sorted(((-MARGIN_M - a[1]) / dy, (height + MARGIN_M - a[1]) / dy))
             low, high = max(low, ends[0]), min(high, ends[1])
         squared, along = dx * dx + dz * dz, a[0] * dx + a[2] * dz
-        if squared > _MARGIN_M**2:
-            excess = a[0] * a[0] + a[2] * a[2] - (radius + _MARGIN_M) ** 2
+        if squared > MARGIN_M**2:
+            excess = a[0] * a[0] + a[2] * a[2] - (radius + MARGIN_M) ** 2
             root = along * along - squared * excess
             if root < 0:
                 return None

@@ -63,3 +63,80 @@ def spheres_onward(
     low, high = centres[: len(times)], centres[len(times) :]
     share = played.share[:, None, None]
     return low * (1 - share) + high * share
+
+
+def bodies_onward(
+    graph: MotionGraph,
+    onward: Int[np.ndarray, " N"],
+    spheres: BodySpheres,
+    nodes: Int[np.ndarray, " B"],
+    times: Float[np.ndarray, "B K"],
+) -> Float[np.ndarray, "B 3 K S"]:
+    """What :func:`spheres_onward` says, at many nodes or times at once, components before moments.
+
+    A node's walk is laid out once, however many bodies begin there.
+
+    Args:
+        graph, onward, spheres: see :func:`spheres_onward`.
+        nodes: where each body begins.
+        times: ascending, s.
+    """
+    wanted = times[:, -1] * graph.frame_rate
+    own, of_node = np.unique(nodes, return_inverse=True)
+    longest = np.zeros(len(own))
+    np.maximum.at(longest, of_node, wanted)
+    rows, frames = [onward[own]], graph.edge_frames[onward[own]]
+    ends = [frames]
+    while (ends[-1] < longest).any():
+        rows.append(onward[graph.edge_target[rows[-1]]])
+        ends.append(ends[-1] + graph.edge_frames[rows[-1]])
+    edges = np.stack(rows)
+    seconds = np.cumsum(graph.edge_frames[edges] / graph.frame_rate, axis=0)
+    begins = np.concatenate([np.zeros((1, len(own))), seconds])[:, of_node]
+    count = 1 + (np.stack(ends)[:, of_node] < wanted).sum(axis=0)
+    body = np.arange(len(nodes))
+    within = np.minimum(np.maximum(times, 0.0), begins[count, body][:, None])
+    index = np.full(times.shape, -1)
+    for begin in begins:
+        index += begin[:, None] <= within
+    index = np.minimum(index, count[:, None] - 1)
+    column = of_node[:, None]
+    edge = edges[index, column]
+    steps = graph.edge_frames[edge]
+    local = (within - begins[index, body[:, None]]) * graph.frame_rate
+    local = np.minimum(np.maximum(local, 0.0), steps)
+    step = np.minimum(local.astype(np.int64), steps - 1)
+    crosses = (step == steps - 1) & (index + 1 < count[:, None])
+    after = np.minimum(index + crosses, count[:, None] - 1)
+    low = graph.edge_starts[edge] + step
+    high = np.where(crosses, graph.edge_starts[edges[after, column]], low + 1)
+    placed = _placed(graph, edges)
+    share = (local - step)[:, None, :, None]
+    bodies = _placed_spheres(graph, spheres, low, placed[:, index, column]) * (1 - share)
+    bodies += _placed_spheres(graph, spheres, high, placed[:, after, column]) * share
+    return bodies
+
+
+def _placed(graph: MotionGraph, edges: Int[np.ndarray, "M N"]) -> Float[np.ndarray, "3 M N"]:
+    """What :func:`~mgjax.graph.walk.place_edges` says of many walks."""
+    here = np.asarray(planar.inverse(graph.node_plane[graph.edge_source[edges[0]]].astype(float)))
+    places = [here]
+    for row in edges[:-1]:
+        here = np.asarray(planar.compose(here, graph.edge_exit[row].astype(float)))
+        places.append(here)
+    return np.moveaxis(np.stack(places), 2, 0)
+
+
+def _placed_spheres(
+    graph: MotionGraph,
+    spheres: BodySpheres,
+    frames: Int[np.ndarray, "B K"],
+    place: Float[np.ndarray, "3 B K"],
+) -> Float[np.ndarray, "B 3 K S"]:
+    """The spheres of frames, each frame at a place of its own."""
+    used, row = np.unique(frames, return_inverse=True)
+    centres = np.moveaxis(np.asarray(sphere_centres(spheres, graph.positions[used])), 2, 0)
+    x, y, z = centres[:, row.reshape(frames.shape)]
+    turn, to_x, to_z = place[..., None]
+    c, s = np.cos(turn), np.sin(turn)
+    return np.stack([x * c + z * s + to_x, y, z * c - x * s + to_z], axis=1)

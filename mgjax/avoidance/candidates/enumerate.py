@@ -9,6 +9,7 @@ from jaxtyping import Float, Int
 
 from mgjax.avoidance.body.edge_tables import EdgeTables
 from mgjax.core.csr import expand_rows
+from mgjax.core.xla.padding import pad_axis
 from mgjax.graph.types import NO_EDGE, MotionGraph
 
 MAX_WALKS = 200_000
@@ -57,15 +58,18 @@ class _Grown:
         self, level: Int[np.ndarray, " C"], row: Int[np.ndarray, " C"]
     ) -> Int[np.ndarray, "C L"]:
         """Edges of the walks with the given rows: each is followed back to its first edge."""
-        length, row = level // 2 + 1, row.copy()
-        edges = np.full((len(row), int(length.max())), NO_EDGE)
-        for depth in range(int(length.max()) - 1, -1, -1):
-            here = length > depth
-            edges[here, depth] = self.via[2 * depth][row[here]]
-            row[here] = self.came_from[2 * depth][row[here]]
-            if depth:
-                row[here] = self.came_from[2 * depth - 1][row[here]]
-        return edges
+        length = level // 2 + 1
+        order = np.argsort(-length, kind="stable")
+        length, row = length[order], row[order]
+        # A row for each depth, which the longest walks come first in.
+        edges = np.full((int(length[0]), len(row)), NO_EDGE, np.int32)
+        for depth in range(int(length[0]) - 1, -1, -1):
+            count = int(np.searchsorted(-length, -depth))
+            here = row[:count]
+            edges[depth, order[:count]] = self.via[2 * depth][here]
+            here = self.came_from[2 * depth][here]
+            row[:count] = self.came_from[2 * depth - 1][here] if depth else here
+        return edges.T
 
 
 def enumerate_candidates(
@@ -104,13 +108,42 @@ def enumerate_candidates(
     )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NodeCandidates:
+    """What :func:`enumerate_candidates` finds at each of several nodes, one node after the other.
+
+    Attributes:
+        edges, length, part: see :class:`Candidates`; all of them are padded alike. [C, L], [C]
+        t_avoid: the middle of each part at natural speed, s. [C]
+        first: where the candidates of each node begin and, last, where they end. [N + 1]
+        overflow: of each node. [N]
+    """
+
+    edges: Int[np.ndarray, "C L"]
+    length: Int[np.ndarray, " C"]
+    part: Int[np.ndarray, " C"]
+    t_avoid: Float[np.ndarray, " C"]
+    first: Int[np.ndarray, " N1"]
+    overflow: Int[np.ndarray, " N"]
+
+    def some(self, rows: Int[np.ndarray, " K"], overflow: int) -> Candidates:
+        """Some of them, with how many were left out beside them."""
+        length = self.length[rows]
+        return Candidates(
+            edges=self.edges[rows, : int(length.max(initial=1))],
+            length=length,
+            part=self.part[rows],
+            overflow=overflow,
+        )
+
+
 def enumerate_nodes(
     graph: MotionGraph,
     tables: EdgeTables,
     nodes: Int[np.ndarray, " N"],
     low: Float[np.ndarray, " N"],
     high: Float[np.ndarray, " N"],
-) -> list[Candidates]:
+) -> NodeCandidates:
     """What :func:`enumerate_candidates` finds at each of several nodes, without a capacity.
 
     The walks of all nodes grow together, which takes a fraction of the time that they take one by
@@ -126,31 +159,41 @@ def enumerate_nodes(
     if many and overflow:
         half = len(nodes) // 2
         halves = slice(None, half), slice(half, None)
-        return [
-            own
-            for rows in halves
-            for own in enumerate_nodes(graph, tables, nodes[rows], low[rows], high[rows])
-        ]
-    if not grown.found:
-        return [_none(overflow)] * len(nodes)
-    level, row, part, _, origin = grown.all_found()
-    chosen = np.argsort(origin, kind="stable")
-    level, part = level[chosen], part[chosen]
-    edges, length = grown.edges_to(level, row[chosen]), level // 2 + 1
-    first = np.searchsorted(origin[chosen], np.arange(len(nodes) + 1))
-    found = []
-    for begin, end in zip(first[:-1].tolist(), first[1:].tolist(), strict=True):
-        own = length[begin:end]
-        longest = int(own.max(initial=1))
-        found.append(
-            Candidates(
-                edges=edges[begin:end, :longest],
-                length=own,
-                part=part[begin:end],
-                overflow=overflow,
-            )
-        )
-    return found
+        return _joined([enumerate_nodes(graph, tables, nodes[h], low[h], high[h]) for h in halves])
+    none = np.zeros(0, dtype=np.int64)
+    edges, length, part = _none(0).edges, none, none
+    t_avoid, origin = np.zeros(0), none
+    if grown.found:
+        level, row, part, t_avoid, origin = grown.all_found()
+        chosen = np.argsort(origin, kind="stable")
+        part, t_avoid, origin = part[chosen], t_avoid[chosen], origin[chosen]
+        edges, length = grown.edges_to(level[chosen], row[chosen]), level[chosen] // 2 + 1
+    return NodeCandidates(
+        edges=edges,
+        length=length,
+        part=part,
+        t_avoid=t_avoid,
+        first=np.searchsorted(origin, np.arange(len(nodes) + 1)),
+        overflow=np.full(len(nodes), overflow),
+    )
+
+
+def _joined(several: list[NodeCandidates]) -> NodeCandidates:
+    """The candidates of all their nodes."""
+    longest = max(own.edges.shape[1] for own in several)
+    wide = [pad_axis(own.edges, longest, axis=1, value=NO_EDGE) for own in several]
+    firsts, count = [several[0].first], len(several[0].length)
+    for own in several[1:]:
+        firsts.append(own.first[1:] + count)
+        count += len(own.length)
+    return NodeCandidates(
+        edges=np.concatenate(wide),
+        length=np.concatenate([own.length for own in several]),
+        part=np.concatenate([own.part for own in several]),
+        t_avoid=np.concatenate([own.t_avoid for own in several]),
+        first=np.concatenate(firsts),
+        overflow=np.concatenate([own.overflow for own in several]),
+    )
 
 
 def _grow(
@@ -199,11 +242,3 @@ def _grow(
 def _none(overflow: int) -> Candidates:
     empty = np.zeros(0, dtype=np.int64)
     return Candidates(edges=np.full((0, 1), NO_EDGE), length=empty, part=empty, overflow=overflow)
-
-
-def natural_times(tables: EdgeTables, candidates: Candidates) -> Float[np.ndarray, " C"]:
-    """t_avoid of each candidate at natural speed, s from the beginning of its walk."""
-    column = np.arange(candidates.edges.shape[1])
-    before = column[None] < candidates.length[:, None] - 1
-    seconds = np.where(before, tables.seconds[np.maximum(candidates.edges, 0)], 0.0)
-    return seconds.sum(axis=1) + tables.part_centre[candidates.part]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from mgjax.avoidance.attacks.batch import AttackBatch
 from mgjax.avoidance.body.device_tables import DeviceTables
@@ -17,6 +17,7 @@ from mgjax.avoidance.checks.bounds import FIRST_LANES, Bounds, clearance_bounds
 from mgjax.avoidance.choice.start import Query
 from mgjax.avoidance.config import EnergyConfig
 from mgjax.avoidance.energy.evaluate import Judged, judge_all, ranking
+from mgjax.avoidance.energy.promise import judge_promising
 from mgjax.avoidance.energy.score import ROWS, stacked
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.arrays import Array
@@ -110,6 +111,7 @@ def search_several(
     walks: CandidateBatch,
     attack_batch: AttackBatch,
     first: Int[Array, " A"],
+    whole: Bool[Array, " A"],
     config: EnergyConfig,
     *,
     frame_rate: float,
@@ -122,6 +124,8 @@ def search_several(
         walks: with the attack that each is meant for, in ascending order; padding goes to the last.
         attack_batch: the attacks.
         first: number of the first candidate of each attack.
+        whole: attacks whose candidates are all judged. Of others those are left out that cannot be
+            the first; where one is clear, so that they follow after all that are.
         config: weights and scales.
         frame_rate, limit_scale: see :func:`search`.
 
@@ -129,8 +133,15 @@ def search_several(
         Candidates in the order of their attacks, and bounds for the first of each: that decides on
         19 of 20 attacks.
     """
-    judged = judge_all(
-        tables, walks, attack_batch, config, half_frame=0.5 / frame_rate, limit_scale=limit_scale
+    judged = judge_promising(
+        tables,
+        walks,
+        attack_batch,
+        first,
+        whole,
+        config,
+        half_frame=0.5 / frame_rate,
+        limit_scale=limit_scale,
     )
     order = ranking(judged, walks.owner)
     best = order[jnp.minimum(first, order.shape[0] - 1)]

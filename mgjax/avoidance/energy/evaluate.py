@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import partial
+from typing import TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -14,7 +16,12 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.batch import MOMENTS, AttackBatch, AttackColumn, make_attack_batch
 from mgjax.avoidance.attacks.crop import Crop
 from mgjax.avoidance.body.device_tables import DeviceTables, PartColumn
-from mgjax.avoidance.body.volumes import PlacedColumn, chain_transforms, read_edges
+from mgjax.avoidance.body.volumes import (
+    PlacedColumn,
+    PlacedEdges,
+    chain_transforms,
+    read_edges,
+)
 from mgjax.avoidance.candidates.batch import CANDIDATE_TILE, CandidateBatch, pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
@@ -40,7 +47,7 @@ class Judged:
     scores: Scores
 
 
-def judge_tile(
+def timed_and_placed(
     tables: DeviceTables,
     walks: CandidateBatch,
     attack_batch: AttackBatch,
@@ -48,8 +55,8 @@ def judge_tile(
     *,
     half_frame: float,
     limit_scale: bool,
-) -> Judged:
-    """Timing and energies of some candidates (§4.1, §4.2)."""
+) -> tuple[Timing, PlacedEdges]:
+    """When some candidates are played (§4.1), and where their edges then lie."""
     limits = scale_limits(config, limit_scale)
     t_attack = walks.each(attack_batch.number(AttackColumn.T_ATTACK))
 
@@ -68,8 +75,21 @@ def judge_tile(
         timing = replace(timing, status=jnp.where(length > 0, timing.status, PADDING))
         return timing, chain_transforms(tables, edges, read, timing.scales)
 
-    timing, placed = stage(
-        tables.opaque_true, begin, walks.edges, walks.length, walks.part, t_attack
+    return stage(tables.opaque_true, begin, walks.edges, walks.length, walks.part, t_attack)
+
+
+def judge_tile(
+    tables: DeviceTables,
+    walks: CandidateBatch,
+    attack_batch: AttackBatch,
+    config: EnergyConfig,
+    *,
+    half_frame: float,
+    limit_scale: bool,
+) -> Judged:
+    """Timing and energies of some candidates (§4.1, §4.2)."""
+    timing, placed = timed_and_placed(
+        tables, walks, attack_batch, config, half_frame=half_frame, limit_scale=limit_scale
     )
     last = placed.row(jnp.maximum(walks.length - 1, 0)[None])[0]
     begins, scale = last[:, PlacedColumn.BEGIN], last[:, PlacedColumn.SCALE]
@@ -114,8 +134,7 @@ def judge_all(
         half_frame=half_frame,
         limit_scale=limit_scale,
     )
-    count = walks.length.shape[0]
-    if count <= CANDIDATE_TILE:
+    if walks.length.shape[0] <= CANDIDATE_TILE:
         return one(walks)
 
     def cut(tile: Array | int) -> CandidateBatch:
@@ -126,21 +145,46 @@ def judge_all(
             walks,
         )
 
-    shapes = jax.eval_shape(one, jax.eval_shape(cut, 0))
-    nothing = jax.tree.map(lambda x: jnp.zeros((*x.shape[:-1], count), x.dtype), shapes)
-    status = jnp.full_like(walks.length, PADDING)
-    nothing = replace(nothing, timing=replace(nothing.timing, status=status))
+    def padding(nothing: Judged) -> Judged:
+        status = jnp.full_like(walks.length, PADDING)
+        return replace(nothing, timing=replace(nothing.timing, status=status))
 
-    def step(tile: Array, judged: Judged) -> Judged:
+    count = jnp.sum((walks.length > 0).astype(jnp.int32))
+    return over_tiles(lambda tile: one(cut(tile)), walks.length.shape[0], count, padding)
+
+
+T = TypeVar("T")
+
+
+def over_tiles(
+    one: Callable[[Array | int], T],
+    size: int,
+    count: Array,
+    padding: Callable[[T], T],
+    tile_size: int = CANDIDATE_TILE,
+) -> T:
+    """What ``one`` says of each of the tiles that hold the first ``count`` of some candidates.
+
+    Args:
+        one: from the number of a tile; arrays have the candidates last.
+        size: candidates and padding.
+        count: candidates.
+        padding: from zeros what is said of the others.
+        tile_size: candidates of a tile.
+    """
+    shapes = jax.eval_shape(one, 0)
+    nothing = padding(jax.tree.map(lambda x: jnp.zeros((*x.shape[:-1], size), x.dtype), shapes))
+
+    def step(tile: Array, known: T) -> T:
         return jax.tree.map(
             lambda total, part: jax.lax.dynamic_update_slice_in_dim(
-                total, part, tile * CANDIDATE_TILE, axis=total.ndim - 1
+                total, part, tile * tile_size, axis=total.ndim - 1
             ),
-            judged,
-            one(cut(tile)),
+            known,
+            one(tile),
         )
 
-    tiles = (jnp.sum((walks.length > 0).astype(jnp.int32)) + CANDIDATE_TILE - 1) // CANDIDATE_TILE
+    tiles = (count + tile_size - 1) // tile_size
     return jax.lax.fori_loop(0, tiles, step, nothing)
 
 

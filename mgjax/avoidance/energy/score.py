@@ -3,6 +3,9 @@
 Measures do not depend on the settings of the energies; scores do. A new term is a field of
 :class:`Scores`, a line of :func:`score`, a field of :class:`Energy`, and its settings in
 :class:`~mgjax.avoidance.config.EnergyConfig`; a new measure comes from the kernel.
+
+:mod:`mgjax.avoidance.energy.promise` takes every term to be 0 or more; one that can be negative has
+to be known there.
 """
 
 from __future__ import annotations

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, replace
+from functools import partial
 
 import jax
 import numpy as np
 from jaxtyping import Float, Int
 
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.candidates.batch import EDGE_BUCKET, empty_candidate_batch
 from mgjax.avoidance.choice.choosing import can_widen, choose, widened
 from mgjax.avoidance.choice.decision import decide
 from mgjax.avoidance.choice.results import Choice, Dropped, Status
@@ -20,19 +20,29 @@ from mgjax.avoidance.choice.search import (
     HOPELESS_M,
     STATUS,
     SearchResult,
+    in_32_bits,
     search_input,
     search_many,
 )
-from mgjax.avoidance.choice.start import ask
-from mgjax.avoidance.config import AvoidanceConfig, for_body, validate_config
+from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.energy.score import ROWS
 from mgjax.avoidance.index.protocol import CandidateIndex
-from mgjax.avoidance.many.groups import MOST, TOGETHER, Asked, all_asked, firsts_of, groups
+from mgjax.avoidance.many.groups import (
+    MOST,
+    Asked,
+    all_asked,
+    firsts_of,
+    group_batch,
+    groups,
+    starts_of,
+)
+from mgjax.avoidance.many.questions import Questions, ask_all
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import CLEAR_M
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import ConfigError
-from mgjax.core.xla.padding import bucket_size
+from mgjax.core.parallel.run import run_all
+from mgjax.core.xla.compilation import threads
 from mgjax.graph.types import MotionGraph
 
 NO_PART = -1
@@ -104,21 +114,14 @@ def select_batch(
     if places.shape != (len(attacks),):
         raise ConfigError(f"got {places.size} nodes for {len(attacks)} attacks, expected one each")
     prepared = prepared_for(graph, config, index)
-    queries = [
-        ask(prepared, node, attack, config)
-        for node, attack in zip(places.tolist(), attacks, strict=True)
-    ]
+    questions = ask_all(prepared, places, attacks, config)
     answers = _no_answers(len(attacks))
-    under_way: deque[tuple[list[Asked], SearchResult]] = deque()
-    doubtful: list[tuple[Asked, SearchResult]] = []
-    for group in groups(all_asked(prepared, queries, answers, config)):
-        under_way.append((group, _search(prepared, group, config)))
-        if len(under_way) > AHEAD:  # the others are computed while this one is looked at
-            doubtful += _decide_by_bounds(*under_way.popleft(), answers, config)
-    for group, result in under_way:
-        doubtful += _decide_by_bounds(group, result, answers, config)
-    for asked, result in doubtful:  # last, since each waits for what is under way
-        _look_closer(asked, result, answers)
+    # All candidates of those that are not certain then are judged.
+    doubtful = _searched(questions, all_asked(questions, answers), answers, whole=False)
+    rest = _searched(questions, (asked for asked, _ in doubtful), answers, whole=True)
+    with ThreadPoolExecutor(threads()) as pool:
+        for asked, choice in pool.map(partial(_look_closer, questions), *zip(*rest, strict=True)):
+            _fill(answers, asked.number, choice)
     if config.refine != "off" or prepared.index is not None:
         _choose_rest(prepared, places, attacks, answers, config)
     elif can_widen(config):
@@ -178,32 +181,37 @@ def _no_answers(count: int) -> dict[str, np.ndarray]:
     return answers
 
 
-def _search(prepared: Prepared, group: list[Asked], config: AvoidanceConfig) -> SearchResult:
-    firsts = firsts_of(group)
-    size = bucket_size(int(firsts[-1]), TOGETHER, 4)
-    longest = max(asked.candidates.edges.shape[1] for asked in group)
-    longest = max(longest, EDGE_BUCKET + 1 if group[-1].attack_batch.is_long else 0)
-    walks = empty_candidate_batch(bucket_size(longest, EDGE_BUCKET, 4), size, shared=False)
-    table = walks.table
-    table[-1] = MOST - 1
-    first = np.full(MOST, size - 1, np.int32)
-    first[: len(group)] = firsts[:-1]
-    for number, (asked, begin) in enumerate(zip(group, firsts, strict=False)):
-        own = asked.candidates
-        rows = slice(begin, begin + len(own.length))
-        table[: own.edges.shape[1], rows] = own.edges.T
-        table[-3, rows], table[-2, rows], table[-1, rows] = own.length, own.part, number
-    filled = [asked.attack_batch for asked in group]
-    filled += [filled[-1]] * (MOST - len(filled))
-    return search_many(
+def _searched(
+    questions: Questions, asked: Iterable[Asked], answers: dict[str, np.ndarray], *, whole: bool
+) -> list[tuple[Asked, SearchResult]]:
+    """Answers some attacks in groups; those of which more has to be known."""
+    doubtful: list[tuple[Asked, SearchResult]] = []
+    with ThreadPoolExecutor(threads()) as pool:
+        work = partial(_search, questions, whole)
+        # While some groups are computed the next ones are laid out.
+        for _, (group, result) in run_all(pool, work, groups(asked), ahead=AHEAD):
+            doubtful += _decide_by_bounds(group, result, answers, questions.config)
+    return doubtful
+
+
+def _search(
+    questions: Questions, whole: bool, group: list[Asked]
+) -> tuple[list[Asked], SearchResult]:
+    """A group, and what compiled code says of it."""
+    prepared, config = questions.prepared, questions.config
+    first = firsts_of(group)
+    walks, attack_batch = group_batch(group, first)
+    result = search_many(
         prepared.device,
         walks,
-        jax.tree.map(lambda *x: np.concatenate(x), *filled),
-        first,
-        for_body(config, prepared.graph.body_scale).energy,
+        attack_batch,
+        starts_of(first, walks.table.shape[1]),
+        np.full(MOST, whole),
+        in_32_bits(config.energy),
         frame_rate=prepared.graph.frame_rate,
         limit_scale=config.limit_scale,
     )
+    return group, jax.tree.map(np.asarray, result)
 
 
 def _decide_by_bounds(
@@ -213,7 +221,6 @@ def _decide_by_bounds(
     config: AvoidanceConfig,
 ) -> list[tuple[Asked, SearchResult]]:
     """Where the bounds of the first candidate leave no doubt that is the answer; the rest."""
-    result = jax.tree.map(np.asarray, result)
     firsts = firsts_of(group)
     starts, count = firsts[:-1], len(group)
     fit = result.table[STATUS, : firsts[-1]] == OK
@@ -232,40 +239,37 @@ def _decide_by_bounds(
         "energy": values["total"],
         "d": values["d"],
     }
-    rest = []
-    for row, asked in enumerate(group):
-        if not usable[row]:
-            continue
-        if not avoided[row] and not hit[row]:
-            rest.append((asked, _alone(result, firsts, row)))
-            continue
-        for name, column in decided.items():
-            answers[name][asked.number] = column[row]
-        part = asked.candidates.part[chosen[row] - starts[row]]
-        answers["part"][asked.number] = part
-    return rest
+    numbers = np.array([asked.number for asked in group])
+    sure = (usable > 0) & (avoided | hit)
+    for name, column in decided.items():
+        answers[name][numbers[sure]] = column[sure]
+    for row in np.flatnonzero(sure).tolist():
+        asked = group[row]
+        answers["part"][asked.number] = asked.found.part[asked.rows[chosen[row] - starts[row]]]
+    doubtful = np.flatnonzero((usable > 0) & ~sure).tolist()
+    return [(group[row], _alone(result, firsts, row)) for row in doubtful]
 
 
 def _alone(result: SearchResult, firsts: Int[np.ndarray, " A1"], row: int) -> SearchResult:
     """What was found for one of several attacks."""
     begin, end = firsts[row], firsts[row + 1]
     return SearchResult(
-        table=result.table[:, begin:end],
-        scales=result.scales[:, begin:end],
+        table=result.table[:, begin:end].copy(),
+        scales=result.scales[:, begin:end].copy(),
         order=result.order[begin:end] - begin,
         bounds=jax.tree.map(lambda x: x[row : row + 1], result.bounds),
     )
 
 
-def _look_closer(asked: Asked, result: SearchResult, answers: dict[str, np.ndarray]) -> None:
+def _look_closer(questions: Questions, asked: Asked, result: SearchResult) -> tuple[Asked, Choice]:
     """Decides on one attack alone, with the exact check where bounds leave a doubt."""
-    query, candidates = asked.query, asked.candidates
+    query, candidates = questions.query(asked.number, asked.attack_batch), asked.candidates
     padded = search_input(query, candidates)
     result = replace(result, scales=result.scales[: len(padded.walks.edges)])  # the group's padding
     dropped = Dropped(overflow=candidates.overflow)
     choice = decide(query, padded, result, len(candidates.length), dropped).choice
     assert choice is not None
-    _fill(answers, asked.number, choice)
+    return asked, choice
 
 
 def _fill(answers: dict[str, np.ndarray], number: int, choice: Choice) -> None:

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import groupby
 
+import jax
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
 from mgjax.avoidance.attacks.batch import AttackBatch
-from mgjax.avoidance.candidates.enumerate import Candidates, enumerate_nodes, natural_times
+from mgjax.avoidance.candidates.batch import EDGE_BUCKET, CandidateBatch, empty_candidate_batch
+from mgjax.avoidance.candidates.enumerate import Candidates, NodeCandidates, enumerate_nodes
 from mgjax.avoidance.choice.choosing import paths_in_time
-from mgjax.avoidance.choice.search import attack_batch_for
 from mgjax.avoidance.choice.start import Query
-from mgjax.avoidance.config import AvoidanceConfig
-from mgjax.avoidance.prepared import Prepared
+from mgjax.avoidance.many.questions import Questions
+from mgjax.core.csr import expand_rows, row_starts
+from mgjax.core.xla.padding import bucket_size
 
-TOGETHER = 2048
+TOGETHER = 8192
 """Candidates of one call, of as many attacks as have room."""
 
 
@@ -28,43 +31,74 @@ NODES = 32
 """Nodes whose walks grow together. The device waits for the first of them."""
 
 
+LOT = 1024
+"""Attacks that are laid out together: their frames are in memory."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Asked:
-    """One of many attacks, number ``number`` of them, that has candidates."""
+    """One of many attacks, number ``number`` of them, that has candidates.
+
+    Attributes:
+        number: of the attack.
+        found: candidates of its node and others.
+        rows: those that are in time for it. [K]
+        overflow: how many were left out for lack of room.
+        attack_batch: the attack as compiled code reads it.
+    """
 
     number: int
-    query: Query
-    candidates: Candidates
+    found: NodeCandidates
+    rows: Int[np.ndarray, " K"]
+    overflow: int
     attack_batch: AttackBatch
 
+    @property
+    def candidates(self) -> Candidates:
+        """Those that are in time."""
+        return self.found.some(self.rows, self.overflow)
 
-def all_asked(
-    prepared: Prepared,
-    queries: Sequence[Query | None],
-    answers: dict[str, np.ndarray],
-    config: AvoidanceConfig,
-) -> Iterator[Asked]:
+
+def all_asked(questions: Questions, answers: dict[str, np.ndarray]) -> Iterator[Asked]:
     """The attacks that have candidates: those that the index finds touched, or else all in time.
 
     Those of one node are enumerated together, and ``NODES`` nodes at once.
     """
-    of_node: dict[int, list[tuple[int, Query]]] = {}
-    for i, query in enumerate(queries):
-        if query is None:
-            continue
-        answers["t_attack"][i] = query.crop.middle
-        found = looked_up(query)
+    near = np.flatnonzero(np.isfinite(questions.middle))
+    answers["t_attack"][near] = questions.middle[near]
+    if questions.prepared.index is not None:
+        yield from _all_looked_up(questions, near, answers)
+        near = near[answers["candidates"][near] < 0]
+    near = near[np.argsort(questions.nodes[near], kind="stable")]
+    nodes, begin = np.unique(questions.nodes[near], return_index=True)
+    ends = np.append(begin, len(near))
+    for k in range(0, len(nodes), NODES):
+        own = near[ends[k] : ends[min(k + NODES, len(nodes))]]
+        found = _in_time(questions, nodes[k : k + NODES], own)
+        for lot in np.split(own, range(LOT, len(own), LOT)):
+            at = np.searchsorted(nodes[k : k + NODES], questions.nodes[lot])
+            yield from _lot(questions, found, lot, at, answers)
+
+
+def _all_looked_up(
+    questions: Questions, near: Int[np.ndarray, " A"], answers: dict[str, np.ndarray]
+) -> Iterator[Asked]:
+    """Those of which the index can say what is touched; of the others ``candidates`` is −1."""
+    for number in near.tolist():
+        found = looked_up(questions.query(number))
+        answers["candidates"][number] = -1
         if found is None:
-            of_node.setdefault(query.node, []).append((i, query))
-        else:
-            yield from _asked(i, query, found, answers)
-    nodes = sorted(of_node)
-    for begin in range(0, len(nodes), NODES):
-        some = nodes[begin : begin + NODES]
-        for node, wide, times in zip(some, *_in_time(prepared, of_node, some, config), strict=True):
-            for i, query in of_node[node]:
-                subset = _within(wide, times, query.crop.middle, config)
-                yield from _asked(i, query, subset, answers)
+            continue
+        count = len(found.length)
+        own = NodeCandidates(
+            edges=found.edges,
+            length=found.length,
+            part=found.part,
+            t_avoid=np.full(count, np.nan),
+            first=np.array([0, count]),
+            overflow=np.array([found.overflow]),
+        )
+        yield from _asked(questions, own, np.array([number]), [np.arange(count)], [0], answers)
 
 
 def looked_up(query: Query) -> Candidates | None:
@@ -77,62 +111,118 @@ def looked_up(query: Query) -> Candidates | None:
     return index.walks(paths if touched is None else paths[touched])
 
 
-def _asked(
-    number: int, query: Query, candidates: Candidates, answers: dict[str, np.ndarray]
-) -> Iterator[Asked]:
-    answers["candidates"][number] = len(candidates.length) + candidates.overflow
-    if len(candidates.length):
-        batch = attack_batch_for(query, candidates)
-        yield Asked(number=number, query=query, candidates=candidates, attack_batch=batch)
-
-
 def _in_time(
-    prepared: Prepared,
-    of_node: dict[int, list[tuple[int, Query]]],
-    nodes: list[int],
-    config: AvoidanceConfig,
-) -> tuple[list[Candidates], list[Float[np.ndarray, " C"]]]:
-    """Of each node the candidates of all its attacks, and when they avoid at natural speed."""
-    middles = [[query.crop.middle for _, query in of_node[node]] for node in nodes]
-    low = np.array([min(own) for own in middles]) - config.T_window / 2
-    high = np.array([max(own) for own in middles]) + config.T_window / 2
-    found = enumerate_nodes(prepared.graph, prepared.tables, np.array(nodes), low, high)
-    return found, [natural_times(prepared.tables, own) for own in found]
+    questions: Questions, nodes: Int[np.ndarray, " N"], numbers: Int[np.ndarray, " A"]
+) -> NodeCandidates:
+    """Of each node the candidates of all its attacks, which are in the order of their nodes."""
+    middles, half = questions.middle[numbers], questions.config.T_window / 2
+    begin = np.searchsorted(questions.nodes[numbers], nodes)
+    low = np.minimum.reduceat(middles, begin) - half
+    high = np.maximum.reduceat(middles, begin) + half
+    prepared = questions.prepared
+    return enumerate_nodes(prepared.graph, prepared.tables, nodes, low, high)
 
 
-def groups(all_asked: Iterator[Asked]) -> Iterator[list[Asked]]:
+def _lot(
+    questions: Questions,
+    found: NodeCandidates,
+    numbers: Int[np.ndarray, " A"],
+    at: Int[np.ndarray, " A"],
+    answers: dict[str, np.ndarray],
+) -> Iterator[Asked]:
+    """The attacks of a lot that have candidates which satisfy eq. 1; ``at`` is each one's node."""
+    config, middles = questions.config, questions.middle[numbers]
+    attack, row = expand_rows(found.first, at)
+    half = config.T_window / 2
+    t_avoid, middle = found.t_avoid[row], middles[attack]
+    fits = (t_avoid > middle - half) & (t_avoid < middle + half)
+    attack, row = attack[fits], row[fits]
+    first = row_starts(np.bincount(attack, minlength=len(numbers)))
+    rows = [row[a:b] for a, b in zip(first[:-1].tolist(), first[1:].tolist(), strict=True)]
+    overflow = found.overflow[at].tolist()
+    for i in np.flatnonzero(np.diff(first) > config.capacity).tolist():
+        overflow[i] += len(rows[i]) - config.capacity
+        off = np.abs(found.t_avoid[rows[i]] - middles[i])
+        rows[i] = rows[i][np.sort(np.argsort(off, kind="stable")[: config.capacity])]
+    yield from _asked(questions, found, numbers, rows, overflow, answers)
+
+
+def _asked(
+    questions: Questions,
+    found: NodeCandidates,
+    numbers: Int[np.ndarray, " A"],
+    rows: list[Int[np.ndarray, " _"]],
+    overflow: list[int],
+    answers: dict[str, np.ndarray],
+) -> Iterator[Asked]:
+    counts = np.array([len(own) for own in rows])
+    answers["candidates"][numbers] = counts + overflow
+    some = np.flatnonzero(counts)
+    batches = questions.batches(numbers[some])
+    for i, number, batch in zip(some.tolist(), numbers[some].tolist(), batches, strict=True):
+        own = rows[i]
+        long = found.edges.shape[1] > EDGE_BUCKET and found.length[own].max() > EDGE_BUCKET
+        yield Asked(
+            number=number,
+            found=found,
+            rows=own,
+            overflow=overflow[i],
+            attack_batch=batch.as_long() if long else batch,
+        )
+
+
+def groups(all_asked: Iterable[Asked]) -> Iterator[list[Asked]]:
     """Attacks that are answered in one call: of equal shapes, as many as have room."""
     waiting: dict[tuple, tuple[list[Asked], int]] = {}
     for asked in all_asked:
-        count = len(asked.candidates.length)
-        shape = asked.attack_batch.frames.shape
+        count, shape = len(asked.rows), asked.attack_batch.frames.shape
         group, together = waiting.get(shape, ([], 0))
         if group and (len(group) == MOST or together + count > TOGETHER):
             yield group
             group, together = [], 0
-        waiting[shape] = [*group, asked], together + count
+        group.append(asked)
+        waiting[shape] = group, together + count
     yield from (group for group, _ in waiting.values())
-
-
-def _within(
-    wide: Candidates, times: Float[np.ndarray, " C"], middle: float, config: AvoidanceConfig
-) -> Candidates:
-    """Those of some candidates that satisfy eq. 1 for an attack at ``middle``."""
-    off = np.abs(times - middle)
-    fits = np.flatnonzero(off < config.T_window / 2)
-    beyond = max(len(fits) - config.capacity, 0)
-    if beyond:
-        fits = np.sort(fits[np.argsort(off[fits], kind="stable")[: config.capacity]])
-    length = wide.length[fits]
-    return Candidates(
-        edges=wide.edges[fits, : int(length.max(initial=1))],
-        length=length,
-        part=wide.part[fits],
-        overflow=wide.overflow + beyond,
-    )
 
 
 def firsts_of(group: list[Asked]) -> Int[np.ndarray, " A1"]:
     """Where the candidates of each attack begin and, last, where they end."""
-    counts = [len(asked.candidates.length) for asked in group]
-    return np.concatenate([[0], np.cumsum(counts)])
+    return row_starts(np.array([len(asked.rows) for asked in group]))
+
+
+def group_batch(
+    group: list[Asked], first: Int[np.ndarray, " A1"]
+) -> tuple[CandidateBatch, AttackBatch]:
+    """The candidates and the attacks of a group, padded; ``first`` is of :func:`firsts_of`."""
+    runs = [
+        (found, np.concatenate([asked.rows for asked in own]))
+        for found, own in (
+            (run[0].found, run) for _, each in groupby(group, _found_of) for run in [list(each)]
+        )
+    ]
+    longest = max(int(found.length[rows].max()) for found, rows in runs)
+    longest = max(longest, EDGE_BUCKET + 1 if group[-1].attack_batch.is_long else 0)
+    size = bucket_size(int(first[-1]), TOGETHER, 4)
+    walks = empty_candidate_batch(bucket_size(longest, EDGE_BUCKET, 4), size, shared=False)
+    table, begin = walks.table, 0
+    for found, rows in runs:
+        columns, used = slice(begin, begin + len(rows)), min(found.edges.shape[1], longest)
+        table[:used, columns] = found.edges.T[:used, rows]
+        table[-3, columns], table[-2, columns] = found.length[rows], found.part[rows]
+        begin += len(rows)
+    table[-1] = MOST - 1
+    table[-1, :begin] = np.repeat(np.arange(len(group)), np.diff(first))
+    batches = [asked.attack_batch for asked in group]
+    batches += [batches[-1]] * (MOST - len(batches))
+    return walks, jax.tree.map(lambda *x: np.concatenate(x), *batches)
+
+
+def _found_of(asked: Asked) -> int:
+    return id(asked.found)
+
+
+def starts_of(first: Int[np.ndarray, " A1"], count: int) -> Int[np.ndarray, " M"]:
+    """The first candidate of each of ``MOST`` attacks; of those that pad a group the last one."""
+    starts = np.full(MOST, count - 1, np.int32)
+    starts[: len(first) - 1] = first[:-1]
+    return starts

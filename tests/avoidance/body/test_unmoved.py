@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from mgjax.avoidance.body.edge_tables import edge_tables
-from mgjax.avoidance.body.unmoved import edges_onward, spheres_onward, walk_onward
+from mgjax.avoidance.body.unmoved import (
+    bodies_onward,
+    edges_onward,
+    spheres_onward,
+    walk_onward,
+)
 from mgjax.graph.types import NO_CLIP, MotionGraph
 from mgjax.graph.walk import make_walk
 from tests.reference import avoidance as reference
@@ -39,3 +44,14 @@ def test_the_body_is_that_of_the_walk(any_graph: MotionGraph) -> None:
         for moment, time in enumerate(times):
             wanted = reference.body_at(any_graph, tables.spheres, edges, [1.0] * len(edges), time)
             np.testing.assert_allclose(got[moment], wanted, atol=1e-4)
+
+
+def test_many_bodies_are_what_each_is_alone(any_graph: MotionGraph) -> None:
+    tables = edge_tables(any_graph, 10.0)
+    rng = np.random.default_rng(2)
+    nodes = rng.choice(rng.integers(any_graph.num_nodes, size=12), 40)
+    times = np.sort(rng.uniform(-0.1, 2.0, (40, 4)), axis=1)
+    got = bodies_onward(any_graph, tables.onward, tables.spheres, nodes, times)
+    for body, node, own in zip(got, nodes.tolist(), times, strict=True):
+        wanted = spheres_onward(any_graph, tables.onward, tables.spheres, node, own)
+        np.testing.assert_allclose(np.moveaxis(body, 0, 2), wanted, rtol=0, atol=1e-12)

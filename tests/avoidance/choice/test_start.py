@@ -8,13 +8,12 @@ import pytest
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.batch import AttackColumn
 from mgjax.avoidance.attacks.crop import crop_attack
-from mgjax.avoidance.candidates.enumerate import natural_times
 from mgjax.avoidance.choice.start import ask, validate_start
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
 from mgjax.avoidance.prepared import prepared_for
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.graph.types import MotionGraph
-from tests.avoidance.made import throw
+from tests.avoidance.made import natural_times, throw
 
 
 def test_settings_are_known_by_identity() -> None:

@@ -7,16 +7,28 @@ import pytest
 
 from mgjax.avoidance import choose, select_batch
 from mgjax.avoidance.attacks.attack import Attack
-from mgjax.avoidance.candidates.enumerate import enumerate_candidates, natural_times
+from mgjax.avoidance.candidates.enumerate import enumerate_nodes
 from mgjax.avoidance.choice.results import Status
-from mgjax.avoidance.choice.search import SearchResult, search, search_input
+from mgjax.avoidance.choice.search import (
+    DEPTH,
+    HOPELESS_M,
+    STATUS,
+    SearchResult,
+    search,
+    search_input,
+)
 from mgjax.avoidance.choice.start import ask
 from mgjax.avoidance.config import AvoidanceConfig, EnergyConfig
-from mgjax.avoidance.many.attacks import NO_PART
+from mgjax.avoidance.energy.promise import UNJUDGED
+from mgjax.avoidance.energy.score import ROWS
+from mgjax.avoidance.many.attacks import NO_PART, _no_answers, _search
+from mgjax.avoidance.many.groups import all_asked, firsts_of, groups
+from mgjax.avoidance.many.questions import ask_all
 from mgjax.avoidance.prepared import prepared_for
+from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.errors import AttackError, ConfigError
 from mgjax.graph.types import MotionGraph
-from tests.avoidance.made import throw
+from tests.avoidance.made import natural_times, throw
 
 
 def questions(graph: MotionGraph, count: int) -> tuple[np.ndarray, list[Attack]]:
@@ -50,6 +62,28 @@ def test_the_same_answers_as_one_by_one(any_graph: MotionGraph) -> None:
         np.testing.assert_allclose(got.energy[i], wanted.energy.total, atol=1e-3)
     assert np.isnan(got.t_attack[0])
     assert seen >= {"avoided", "no_candidate"}
+
+
+def test_what_is_not_judged_is_not_the_best(any_graph: MotionGraph) -> None:
+    config = AvoidanceConfig(refine="off")
+    prepared = prepared_for(any_graph, config)
+    nodes, attacks = questions(any_graph, 36)
+    asked = ask_all(prepared, nodes, attacks, config)
+    left_out = clear = 0
+    for group in groups(all_asked(asked, _no_answers(len(attacks)))):
+        (_, some), (_, every) = (_search(asked, whole, group) for whole in (False, True))
+        total, d, count = ROWS.index("total"), every.table[DEPTH], firsts_of(group)[-1]
+        np.testing.assert_array_equal(some.table[STATUS], every.table[STATUS])
+        unknown = (some.table[total] >= UNJUDGED)[:count] & (every.table[STATUS, :count] == OK)
+        left_out += unknown.sum()
+        assert (d[:count][unknown & (some.table[DEPTH, :count] < 0)] < -HOPELESS_M).all()
+        for begin in firsts_of(group)[:-1]:
+            best = every.order[begin]
+            assert some.order[begin] == best
+            np.testing.assert_allclose(some.table[:, best], every.table[:, best], atol=1e-5)
+            clear += d[best] >= 0
+    assert left_out > 50
+    assert clear > 5
 
 
 def test_bad_questions(made_graph: MotionGraph) -> None:
@@ -91,12 +125,12 @@ def test_attacks_are_traced_once(made_graph: MotionGraph) -> None:
 
 
 def test_natural_times(made_graph: MotionGraph) -> None:
-    config = AvoidanceConfig(refine="off")
-    tables = prepared_for(made_graph, config).tables
-    found = enumerate_candidates(made_graph, tables, 3, 1.2, window=2.0, capacity=50)
-    assert len(found.length)
-    for row, time in enumerate(natural_times(tables, found)):
-        edges = found.edges[row, : found.length[row]]
-        wanted = tables.seconds[edges[:-1]].sum() + tables.part_centre[found.part[row]]
-        np.testing.assert_allclose(time, wanted)
-        assert abs(time - 1.2) < 1.0
+    tables = prepared_for(made_graph, AvoidanceConfig()).tables
+    nodes, low = np.array([3, 40]), np.array([0.2, 0.4])
+    found = enumerate_nodes(made_graph, tables, nodes, low, low + 2.0)
+    times = natural_times(tables, found.some(np.arange(len(found.length)), 0))
+    np.testing.assert_allclose(found.t_avoid, times)
+    for node, begin in enumerate(low):
+        own = times[slice(*found.first[node : node + 2])]
+        assert len(own)
+        assert (np.abs(own - begin - 1.0) < 1.0).all()
