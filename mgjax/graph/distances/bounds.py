@@ -11,11 +11,10 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Bool, Float, UInt8
 
 from mgjax.core.arrays import Array
-from mgjax.graph.distances.axis import Axis
-from mgjax.graph.distances.components import Components, parts_of, principal
+from mgjax.graph.distances.components import Parts
 
 FLAT = 6
 """Complex components of the horizontal part."""
@@ -32,35 +31,15 @@ _NEVER = 1e6
 """m². Squared length of what is no window: it is near nothing."""
 
 
-def project(
-    axis: Axis, size: int, tile: int, components: Components | None = None
-) -> tuple[Float[np.ndarray, "C R"], float, Components]:
-    """What the bounds need of each entry of an axis.
-
-    Args:
-        axis: of all clips.
-        size: entries, with room for the last tile.
-        tile: entries that are projected together.
-        components: None: those of the axis itself.
-
-    Returns:
-        The rows of :func:`open_pairs`, the squared length of the longest window, m², and the
-        components.
-    """
-    components = principal(axis) if components is None else components
-    few = components[0][..., :FLAT], components[1][:, :RISE], components[2]
-    rows = np.zeros((ROWS, size), np.float32)
-    rows[-1] = _NEVER
-    longest = 0.0
-    for first in range(0, len(axis), tile):
-        valid = np.flatnonzero(axis.valid[first : first + tile])
-        features = axis.features(first, tile)
-        parts = parts_of(features, few, axis.window)
-        longest = max(longest, float(np.asarray(features.spread)[valid].max(initial=0.0)))
-        flat = [np.real(parts.flat), np.imag(parts.flat)]
-        columns = [*flat, parts.rise, parts.rest, parts.spread[:, None]]
-        rows[:, first + valid] = np.concatenate(columns, axis=1)[valid].T
-    return rows, longest, components
+def bound_rows(parts: Parts, used: Bool[np.ndarray, " N"]) -> Float[np.ndarray, "C N"]:
+    """What the bounds need of windows, those that are ``used``: FLAT real and FLAT imaginary
+    components, RISE of heights, the lengths of the two rests, the squared length of the whole."""
+    flat, rise = parts.flat[:, :FLAT], parts.rise[:, :RISE]
+    left = [np.abs(parts.flat[:, FLAT:]), parts.rise[:, RISE:]]
+    beyond = np.stack([np.vecdot(each, each) for each in left], axis=1)
+    rest = np.sqrt(parts.rest**2 + beyond)
+    spread = np.where(used, parts.spread, np.float32(_NEVER))[:, None]
+    return np.concatenate([np.real(flat), np.imag(flat), rise, rest, spread], axis=1).T
 
 
 @partial(jax.jit, static_argnames=("tile",))
@@ -76,8 +55,7 @@ def open_pairs(
     the first of ``TOGETHER`` rows.
 
     Args:
-        rows: of :func:`project`: FLAT real and FLAT imaginary components, RISE of heights, the two
-            rests, and the squared length of the whole.
+        rows: of :func:`bound_rows`.
         first, second: where the rows and the columns of the tile of pairs begin.
         limits: of the entries of its rows and of those of its columns, m². The larger one holds.
         tile: its side, a multiple of ``TOGETHER``.

@@ -17,8 +17,8 @@ from jaxtyping import Float
 
 from mgjax.core.parallel.run import run_all
 from mgjax.graph.distances.axis import Axis
-from mgjax.graph.distances.bounds import open_pairs, open_places, project
-from mgjax.graph.distances.components import Components
+from mgjax.graph.distances.bounds import open_pairs, open_places
+from mgjax.graph.distances.components import Components, principal
 from mgjax.graph.distances.judge import SLACK
 from mgjax.graph.distances.tile import Tile
 from mgjax.graph.distances.tile_pair import TilePair
@@ -114,14 +114,17 @@ class _Search:
 
     def __init__(self, axis: Axis, limit: float, components: Components | None) -> None:
         self._axis, self._limit = axis, limit
-        # Bounds begin behind the margin, where the first block does.
-        size = axis.tiles(TILE) * TILE + axis.margin
-        projected, longest, components = project(axis, size, TILE, components)
-        self._bounds = jnp.asarray(projected[:, axis.margin :])
-        self._slack = SLACK * longest
+        found = principal(axis) if components is None else components
         self._tile = lru_cache(maxsize=_TILES_KEPT)(
-            lambda number: Tile(axis=axis, number=number, size=TILE, components=components)
+            lambda number: Tile(axis=axis, number=number, size=TILE, components=found)
         )
+        rows, longest = [], 0.0
+        for number in range(axis.tiles(TILE)):
+            tile = self._tile(number)
+            rows.append(tile.bound_rows)
+            longest = max(longest, tile.longest)
+        self._bounds = jnp.asarray(np.concatenate(rows, axis=1))
+        self._slack = SLACK * longest
 
     def found(
         self, first: int, second: int, limits: Float[np.ndarray, " F"], near: float | None

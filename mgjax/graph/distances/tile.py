@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float
 from numpy.lib.stride_tricks import sliding_window_view
 
 from mgjax.graph.distances.axis import Axis
+from mgjax.graph.distances.bounds import bound_rows
 from mgjax.graph.distances.components import Components, Parts, parts_of
 from mgjax.graph.distances.distance import WindowFeatures
 
@@ -41,12 +42,24 @@ class Tile:
     @cached_property
     def features(self) -> tuple[WindowFeatures, WindowFeatures]:
         """As rows and as columns; what is not allowed there is far from everything."""
-        return self._masked(jax.tree.map(jnp.asarray, self._plain()))
+        return self._masked(self._plain)
 
     @cached_property
     def parts(self) -> tuple[Parts, Parts]:
         """By components, likewise."""
-        return self._masked(parts_of(self._plain(), self.components, self.axis.window))
+        return self._masked(self._parts)
+
+    @property
+    def longest(self) -> float:
+        """Squared length of the longest window, m²."""
+        spread = np.asarray(self._plain.spread)
+        return float(spread.max(where=self._used, initial=0.0))
+
+    @property
+    def bound_rows(self) -> Float[np.ndarray, "C T"]:
+        """Of the entries without the margins."""
+        inner = slice(self.axis.margin, self.axis.margin + self.size)
+        return bound_rows(self._parts, self._used)[:, inner]
 
     @cached_property
     def alike(self) -> Bool[np.ndarray, " T"]:
@@ -69,9 +82,18 @@ class Tile:
         known = known[:, self.number * self.size :][:, :size]
         return np.pad(known, ((0, 0), (0, size - known.shape[1])))
 
+    @property
+    def _used(self) -> Bool[np.ndarray, " S"]:
+        return np.logical_or(*self._allowed)
+
+    @cached_property
     def _plain(self) -> WindowFeatures:
         axis = self.axis
         return axis.features(self.number * self.size, self.size + 2 * axis.margin)
+
+    @cached_property
+    def _parts(self) -> Parts:
+        return parts_of(self._plain, self.components, self.axis.window)
 
     def _masked(self, plain: Described) -> tuple[Described, Described]:
         """``plain`` as rows and as columns."""
