@@ -97,8 +97,8 @@ def build_graph(
         watch: told about how much is done, 0 … 1, and what is done next; what it raises ends the
             work.
         stages: where blocks of the work are computed and kept
-            (:class:`mgjax.graph.stages.stages.Stages`); None: in one piece, here. Distances then
-            are those of float32, which may differ by 1e-7 m².
+            (:class:`mgjax.graph.stages.stages.Stages`); None: in one piece, here. The graph is
+            the same.
 
     Returns:
         The largest strongly connected component; its ``report`` has the statistics.

@@ -84,6 +84,7 @@ def make_axis(
     margin: int,
     leave: np.ndarray | None,
     arrive: np.ndarray | None,
+    grain: float | None = None,
 ) -> Axis:
     """The axis of clips that lie one after another; see
     :func:`mgjax.graph.distances.minima.find_minima`."""
@@ -101,7 +102,9 @@ def make_axis(
         window=window,
         margin=margin,
         centre=centre_of(positions, float(positions[..., 1].mean())),
-        grain=_grain(positions),
+        grain=grain_of(float(np.ptp(positions[..., 1])) if positions.size else 0.0)
+        if grain is None
+        else grain,
         frames=frames,
         valid=fits,
         leave=rows,
@@ -109,7 +112,7 @@ def make_axis(
     )
 
 
-def _grain(positions: Float[np.ndarray, "F J 3"]) -> float:
-    """A power of two, about 1e-12 m² for an adult; four times that for a body twice as tall."""
-    tall = float(np.ptp(positions[..., 1])) if positions.size else 0.0
-    return 2.0 ** (2 * np.floor(np.log2(tall)) - 40) if tall > 0 else 2.0**-40
+def grain_of(tall: float) -> float:
+    """Of squared distances of bodies so tall (m): a power of two, about 1e-12 m² for an adult; four
+    times that for a body twice as tall. A finer one would tell windows apart that are alike."""
+    return float(2.0 ** (2 * np.floor(np.log2(tall)) - 40)) if tall > 0 else 2.0**-40

@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 from mgjax.graph.distances.axis import Axis
 from mgjax.graph.distances.windows import Windows
 
-_CHUNK = 512
+_CHUNK = 128
 """Pairs whose windows are copied at a time: what they take stays in the cache."""
 
 
@@ -38,13 +38,7 @@ def _squared(
     windows: Windows, a: Int[np.ndarray, " N"], b: Int[np.ndarray, " N"]
 ) -> Float[np.ndarray, " N"]:
     """D² of the windows that begin at some frames, m²."""
-    count = windows.path.shape[1]
-    paths = [windows.path[each] for each in (a, b)]
-    paths = [(path - path.mean(axis=1, keepdims=True)) / np.sqrt(count) for path in paths]
-    product = np.vecdot(windows.about[a], windows.about[b]) + np.vecdot(*paths)
-    spread = sum(
-        windows.spread[each].mean(axis=1) + np.vecdot(path, path).real
-        for each, path in zip((a, b), paths, strict=True)
-    )
+    product = np.vecdot(windows.about[a], windows.about[b])
+    product += np.vecdot(windows.path[a], windows.path[b])
     rise = windows.level[a] - windows.level[b]
-    return spread + np.vecdot(rise, rise) - 2 * np.abs(product)
+    return windows.spread[a] + windows.spread[b] + np.vecdot(rise, rise) - 2 * np.abs(product)

@@ -12,18 +12,18 @@ from dataclasses import dataclass
 from typing import Literal, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from tqdm import tqdm
 
 from mgjax.core.errors import ConfigError
 from mgjax.graph.distances.axis import Axis, make_axis
-from mgjax.graph.distances.judge import MAYBE, settle
+from mgjax.graph.distances.judge import MAYBE, neighbours, settle
 from mgjax.graph.distances.pruned import search_pruned, tile_pairs
 from mgjax.graph.distances.tiles import search_tiles
 
 T = TypeVar("T")
 
-_BATCH = 1 << 17
+_BATCH = 1 << 14
 """Minima that are handed to a shortlist at once."""
 
 _SMALL = 4096
@@ -75,6 +75,7 @@ def find_minima(
     leave: np.ndarray | None = None,
     arrive: np.ndarray | None = None,
     thinned: int = 0,
+    grain: float | None = None,
     shortlist: Shortlist | None = None,
     search: Literal["auto", "all", "pruned"] = "auto",
     progress: bool = False,
@@ -93,6 +94,8 @@ def find_minima(
         leave, arrive: at which frames windows of the rows and of the columns may begin; None: at
             all. Others count as infinitely far, so a minimum is the lowest of what may be used.
         thinned: also the lowest pair of each block of so many by so many windows; 0: only minima.
+        grain: squared distances that differ by less are alike, m²; None: by the height that is
+            moved through.
         shortlist: takes the minima as they are found, and says which others it would still take.
             The result then is what it keeps.
         search: ``"all"`` pairs, or ``"pruned"`` by bounds, with the same result; bounds serve
@@ -113,17 +116,19 @@ def find_minima(
         margin=neighbourhood,
         leave=leave,
         arrive=arrive,
+        grain=grain,
     )
     limit = float(threshold) ** 2
 
-    def watched(tiles: Iterable[T], count: int) -> Iterator[T]:
-        bar: Iterable[T] = tqdm(
-            tiles, desc="distances", unit="tile", total=count, disable=not progress, leave=False
-        )
-        for number, tile in enumerate(bar):
-            if watch is not None:
-                watch(number / count)
-            yield tile
+    def watched(tiles: Iterable[T], count: int, done: Callable[[T], bool]) -> Iterator[T]:
+        with tqdm(
+            desc="distances", unit="tile", total=count, disable=not progress, leave=False
+        ) as bar:
+            for tile in tiles:
+                if watch is not None:
+                    watch(bar.n / count)
+                yield tile
+                bar.update(done(tile))
 
     can = np.isfinite(limit) and not thinned
     if search == "pruned" and not can:
@@ -138,18 +143,22 @@ def find_minima(
     if pruned:
         limits = None if shortlist is None else shortlist.limits
         pairs = tile_pairs(axis)
-        found = watched(search_pruned(axis, limit, pairs, limits=limits), len(pairs))
+        searched = search_pruned(axis, limit, pairs, limits=limits)
+        found = (each for each, _ in watched(searched, len(pairs), lambda part: part[1]))
         if shortlist is not None:
             for batch in _batches(found):
-                shortlist.add(*_settled(axis, batch, limit))
+                shortlist.add(*_placed(axis, batch))
             rows, columns, squared = shortlist.kept()
         else:
-            rows, columns, squared = _settled(axis, _joined(list(found)), limit)
+            rows, columns, squared = _placed(axis, _joined(list(found)))
     else:
         every, largest = search_tiles(
-            axis, limit, thinned=thinned, watched=lambda pairs: watched(pairs, len(pairs))
+            axis,
+            limit,
+            thinned=thinned,
+            watched=lambda pairs: watched(pairs, len(pairs), lambda _: True),
         )
-        rows, columns, squared = _settled(axis, every, limit)
+        rows, columns, squared = _placed(axis, _settled(axis, every, limit))
     order = np.lexsort((columns, rows, squared))
     return Minima(
         rows=rows[order],
@@ -159,23 +168,28 @@ def find_minima(
     )
 
 
-def _settled(
-    axis: Axis, found: Float[np.ndarray, "4 M"], limit: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows and columns, frames that windows begin at, and D² of those that are minima, m²."""
-    rows, columns, judged = found[:3].astype(np.int64)
-    squared = found[3]
+def _settled(axis: Axis, found: Int[np.ndarray, "3 N"], limit: float) -> Float[np.ndarray, "3 M"]:
+    """Rows, columns and D², m², of the minima among pairs that are judged."""
+    rows, columns, judged = found
     unsure = np.flatnonzero(judged == MAYBE)
-    squared[unsure] = settle(axis, rows[unsure], columns[unsure], limit)
-    kept = squared < limit
-    return axis.frames[rows[kept]], axis.frames[columns[kept]], squared[kept]
+    doubts = [unsure] * len(neighbours(axis.margin))
+    squared, lowest = settle(axis, rows, columns, limit, doubts)
+    return np.stack([rows, columns, squared])[:, lowest[0]]
 
 
-def _joined(found: list[np.ndarray]) -> Float[np.ndarray, "4 M"]:
-    return np.concatenate([np.zeros((4, 0)), *found], axis=1)
+def _placed(
+    axis: Axis, found: Float[np.ndarray, "3 M"]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Frames that the windows of minima begin at, and D², m²."""
+    rows, columns = found[:2].astype(np.int64)
+    return axis.frames[rows], axis.frames[columns], found[2]
 
 
-def _batches(found: Iterable[np.ndarray]) -> Iterator[Float[np.ndarray, "4 M"]]:
+def _joined(found: list[np.ndarray]) -> Float[np.ndarray, "3 M"]:
+    return np.concatenate([np.zeros((3, 0)), *found], axis=1)
+
+
+def _batches(found: Iterable[np.ndarray]) -> Iterator[Float[np.ndarray, "3 M"]]:
     """Joins what is found to batches of about ``_BATCH``."""
     waiting: list[np.ndarray] = []
     count = 0

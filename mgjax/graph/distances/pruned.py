@@ -1,7 +1,6 @@
-"""The same minima from a part of the pairs: blocks that a bound tells to be far are left out.
+"""The same minima from a part of the pairs: those that a bound tells to be far are left out.
 
-Half of the matrix is enough, since it is symmetric: a pair of the other half is judged with the
-masks of rows and columns exchanged.
+Half of the matrix is enough, since it is symmetric.
 """
 
 from __future__ import annotations
@@ -9,91 +8,35 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from functools import lru_cache, partial
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
-from mgjax.core.arrays import Array
 from mgjax.core.parallel.run import run_all
 from mgjax.graph.distances.axis import Axis
-from mgjax.graph.distances.bounds import BLOCK, Components, open_blocks, project
-from mgjax.graph.distances.distance import (
-    WindowFeatures,
-    block_distances,
-    rows_of,
-)
-from mgjax.graph.distances.judge import SLACK, lowest
+from mgjax.graph.distances.bounds import open_pairs, open_places
+from mgjax.graph.distances.components import Components, principal
+from mgjax.graph.distances.judge import SLACK
+from mgjax.graph.distances.tile import Tile
+from mgjax.graph.distances.tile_pair import TilePair
 
 TILE = 2048
-"""Side of the tiles whose blocks are bounded together; a multiple of BLOCK."""
+"""Side of the tiles whose pairs are bounded together; a multiple of the blocks' side."""
 
-_CHUNK = 64
-"""Most blocks that one call compares."""
-
-_FAR = 1e6
-"""m². Squared length of what may not be used: it is near nothing."""
-
-_SQUARE = 24
+_SQUARE = 64
 """Tiles on each side whose pairs are searched one after the other."""
 
 _TILES_KEPT = 2 * _SQUARE + 2
-"""Tiles whose features are kept; those of more are computed anew."""
+"""Tiles of which is kept what is known; of more it is computed anew."""
 
+_MANY = 1 / 64
+"""Share of open pairs from which two tiles are searched near by first."""
 
-@partial(jax.jit, static_argnames=("window", "reach"))
-def _block_distances(
-    a: WindowFeatures,
-    b: WindowFeatures,
-    numbers: Int[Array, "2 N"],
-    count: Array,
-    *,
-    window: int,
-    reach: int,
-) -> Float[Array, "N S S"]:
-    """D² of the first ``count`` blocks of pairs with their margins, m²; S = BLOCK + 2 reach.
-
-    ``numbers``: of the blocks, by rows and by columns.
-    """
-    size = BLOCK + 2 * reach
-
-    def one(k: Array, out: Array) -> Array:
-        rows = rows_of(a, numbers[0, k] * BLOCK, size, window)
-        columns = rows_of(b, numbers[1, k] * BLOCK, size, window)
-        squared = jnp.maximum(block_distances(rows, columns, window), 0.0)
-        return jax.lax.dynamic_update_index_in_dim(out, squared, k, 0)
-
-    room = jnp.full((numbers.shape[1], size, size), _FAR, jnp.float32)
-    return jax.lax.fori_loop(0, count, one, room)
-
-
-def _allowed(axis: Axis, number: int, *, rows: bool) -> np.ndarray:
-    """Which entries of a tile count as rows, or as columns. [TILE + 2 reach]"""
-    mask, size = axis.leave if rows else axis.arrive, TILE + 2 * axis.margin
-    known = mask[number * TILE : number * TILE + size]
-    return np.pad(known, (0, size - len(known)))
-
-
-def _features(axis: Axis, number: int) -> tuple[WindowFeatures, WindowFeatures]:
-    """Of a tile as rows and as columns; what is not allowed there is far from everything."""
-    plain = axis.features(number * TILE, TILE + 2 * axis.margin)
-    plain = jax.tree.map(jnp.asarray, plain)
-    masks = [_allowed(axis, number, rows=rows) for rows in (True, False)]
-    rows, columns = (
-        replace(plain, spread=jnp.where(mask, plain.spread, jnp.float32(_FAR))) for mask in masks
-    )
-    return rows, columns
-
-
-def _alike(axis: Axis, number: int) -> np.ndarray:
-    """Blocks of a tile whose entries count as rows where they count as columns. [TILE / BLOCK]"""
-    rows, columns = (_allowed(axis, number, rows=rows) for rows in (True, False))
-    size = BLOCK + 2 * axis.margin
-    firsts = range(0, TILE, BLOCK)
-    return np.array([np.array_equal(rows[k : k + size], columns[k : k + size]) for k in firsts])
+_NEAR = 1 / 8
+"""Of the limit (m²): near by."""
 
 
 def search_pruned(
@@ -101,139 +44,121 @@ def search_pruned(
     limit: float,
     pairs: Sequence[tuple[int, int]],
     *,
-    limits: Callable[[], Float[np.ndarray, " F"]] | None = None,
+    limits: Callable[[], Float[np.ndarray, " F"]] | Float[np.ndarray, " F"] | None = None,
     threads: int | None = None,
     components: Components | None = None,
-) -> Iterator[Float[np.ndarray, "4 M"]]:
-    """Every pair that may be a local minimum, one pair of tiles after the other.
+) -> Iterator[tuple[Float[np.ndarray, "3 M"], bool]]:
+    """All local minima, one pair of tiles after the other.
+
+    Where limits may go down and many pairs are open, those near by are looked for first, and the
+    others later, when most of them need not be looked for any more.
 
     Args:
         axis: of all clips.
         limit: m², finite.
         pairs: of tiles that are searched, the first no later than the second.
         limits: what a pair has to be below by the frame that its row begins at, m², no more than
-            ``limit``; asked before each pair of tiles, since it may go down. None: ``limit``.
+            ``limit``. If it may go down, a function that is asked before each pair of tiles. None:
+            ``limit``.
         threads: tiles that are searched at the same time; None: as many as there are processors.
         components: of the bounds; None: those of the axis itself.
 
     Yields:
-        Rows, columns, judgements and D², m². Pairs above their ``limits`` may be among them.
+        Rows, columns and D², m², of the minima, both ways round. Some above their ``limits`` may be
+        among them. And whether it is done with these tiles.
     """
-    search = _Search(axis, limit, limits, components)
+    search = _Search(axis, limit, components)
     # Of the thread that asks, for those of the pool.
     device = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]
+    everywhere = np.full(len(axis.positions), limit)
 
-    def there(pair: tuple[int, int]) -> np.ndarray:
+    def searched(
+        pair: tuple[int, int], near: float | None, before: float
+    ) -> tuple[np.ndarray, bool]:
+        below = limits() if callable(limits) else everywhere if limits is None else limits
         with jax.default_device(device):
-            return search.found(*pair)
+            return search.found(*pair, np.where(below <= before, 0.0, below), near)
 
+    near = _NEAR * limit
+    steps = ((near, 0.0), (None, near)) if callable(limits) else ((None, 0.0),)
     count = threads or os.cpu_count() or 1
     with ThreadPoolExecutor(count) as pool:
-        for _, found in run_all(pool, there, pairs, ahead=2 * count):
-            yield found
+        for until, before in steps:
+            later = []
+            there = partial(searched, near=until, before=before)
+            for number, (found, whole) in run_all(pool, there, pairs, ahead=2 * count):
+                if not whole:
+                    later.append(pairs[number])
+                yield found, whole
+            pairs = later
 
 
 def tile_pairs(axis: Axis) -> list[tuple[int, int]]:
     """All pairs of tiles, the first no later than the second: squares of ``_SQUARE`` tiles whose
-    features are kept, those near the diagonal first, so that all rows are met early."""
+    features are kept, those near the diagonal first, and in them likewise, so that all rows meet
+    many others early."""
     count = axis.tiles(TILE)
     return [
-        (first, second)
+        (first, first + step)
         for apart in range(0, count, _SQUARE)
         for i in range(0, count - apart, _SQUARE)
-        for first in range(i, min(i + _SQUARE, count))
-        for second in range(max(first, i + apart), min(i + apart + _SQUARE, count))
+        for step in range(max(apart - _SQUARE + 1, 0), apart + _SQUARE)
+        for first in range(
+            max(i, i + apart - step), min(i + _SQUARE, i + apart + _SQUARE - step, count - step)
+        )
     ]
 
 
 class _Search:
     """What all pairs of tiles have in common."""
 
-    def __init__(
-        self,
-        axis: Axis,
-        limit: float,
-        limits: Callable[[], np.ndarray] | None,
-        components: Components | None,
-    ) -> None:
-        self._axis, self._limit, self._limits = axis, limit, limits
-        # Bounds begin behind the margin, where the first block does.
-        size = axis.tiles(TILE) * TILE + axis.margin
-        projected, longest = project(axis, size, TILE, components)
-        self._bounds = jnp.asarray(projected[:, axis.margin :])
-        self._slack = SLACK * longest
-        self._features = lru_cache(maxsize=_TILES_KEPT)(partial(_features, axis))
-
-    def found(self, first: int, second: int) -> Float[np.ndarray, "4 M"]:
-        """Pairs of two tiles that may be minima, both ways round."""
-        axis, limits = self._axis, self._limits() if self._limits else None
-        of_rows, of_columns = (self._tile_limits(number, limits) for number in (first, second))
-        inner = slice(axis.margin, axis.margin + TILE)
-        places = jnp.int32(first * TILE), jnp.int32(second * TILE)
-        both = jnp.asarray(np.stack([of_rows[inner], of_columns[inner]]), jnp.float32)
-        opened = np.asarray(open_blocks(self._bounds, *places, both, tile=TILE))
-        if first == second:
-            opened = np.triu(opened)
-        alike = _alike(axis, first)[:, None] & _alike(axis, second)[None, :]
-        diagonal = np.eye(len(opened), dtype=bool) & (first == second)
-        # A block on the diagonal has both halves in it already.
-        once, twice, still = (
-            opened & alike & ~diagonal,
-            opened & ~alike & ~diagonal,
-            opened & diagonal,
+    def __init__(self, axis: Axis, limit: float, components: Components | None) -> None:
+        self._axis, self._limit = axis, limit
+        found = principal(axis) if components is None else components
+        self._tile = lru_cache(maxsize=_TILES_KEPT)(
+            lambda number: Tile(axis=axis, number=number, size=TILE, components=found)
         )
-        found = [self._compare(first, second, once, of_rows, of_columns)]
-        found.append(found[0][[1, 0, 2, 3]])
-        found.append(self._compare(first, second, twice, of_rows, of_columns))
-        back = self._compare(first, second, twice, of_rows, of_columns, turned=True)
-        found.append(back[[1, 0, 2, 3]])
-        found.append(self._compare(first, second, still, of_rows, of_columns))
-        return np.concatenate(found, axis=1)
+        rows, longest = [], 0.0
+        for number in range(axis.tiles(TILE)):
+            tile = self._tile(number)
+            rows.append(tile.bound_rows)
+            longest = max(longest, tile.longest)
+        self._bounds = jnp.asarray(np.concatenate(rows, axis=1))
+        self._slack = SLACK * longest
 
-    def _tile_limits(self, number: int, limits: np.ndarray | None) -> Float[np.ndarray, " T"]:
-        """Of the entries of a tile with its margins, m²; 0 where no window begins."""
-        size = TILE + 2 * self._axis.margin
-        frames = self._axis.frames[number * TILE : number * TILE + size]
-        known = np.full(len(frames), self._limit) if limits is None else limits[frames]
-        return np.pad(np.where(frames >= 0, known, 0.0), (0, size - len(frames)))
+    def found(
+        self, first: int, second: int, limits: Float[np.ndarray, " F"], near: float | None
+    ) -> tuple[Float[np.ndarray, "3 M"], bool]:
+        """Minima of two tiles, both ways round, below ``limits``; where many pairs are open below
+        ``near`` only. And whether those are all."""
+        tiles = self._tile(first), self._tile(second)
+        rows, columns, ends = self._open(*tiles, limits)
+        whole = True
+        if near is not None and len(rows) > _MANY * TILE**2:
+            whole = False
+            rows, columns, ends = self._open(*tiles, np.minimum(limits, near))
+        pair = TilePair(
+            axis=self._axis,
+            first=tiles[0],
+            second=tiles[1],
+            ends=ends,
+            limit=self._limit,
+            slack=self._slack,
+        )
+        return pair.minima(rows, columns), whole
 
-    def _compare(
-        self,
-        first: int,
-        second: int,
-        chosen: np.ndarray,
-        of_rows: np.ndarray,
-        of_columns: np.ndarray,
-        *,
-        turned: bool = False,
-    ) -> np.ndarray:
-        """Pairs of the chosen blocks: as rows and columns, or as columns and rows. [4, M]"""
-        reach = self._axis.margin
-        blocks = np.stack(np.nonzero(chosen)).astype(np.int32)
-        found = [np.zeros((4, 0))]
-        a, b = self._features(first)[turned], self._features(second)[not turned]
-        highest = [_highest(each, reach) for each in (of_rows, of_columns)]
-        for begin in range(0, blocks.shape[1], _CHUNK):
-            part = blocks[:, begin : begin + _CHUNK]
-            padded = np.pad(part, ((0, 0), (0, _CHUNK - part.shape[1])))
-            squared = _block_distances(
-                a,
-                b,
-                jnp.asarray(padded),
-                jnp.int32(part.shape[1]),
-                window=self._axis.window,
-                reach=reach,
-            )
-            below = np.maximum(highest[0][part[0]], highest[1][part[1]])
-            block, r, c, judged, values = lowest(
-                np.asarray(squared)[: part.shape[1]], reach, self._limit, self._slack, below
-            )
-            row = first * TILE + part[0, block] * BLOCK + r
-            column = second * TILE + part[1, block] * BLOCK + c
-            found.append(np.stack([row, column, judged, values]).astype(float))
-        return np.concatenate(found, axis=1)
-
-
-def _highest(limits: np.ndarray, reach: int) -> np.ndarray:
-    """Of each block of a tile. [TILE / BLOCK]"""
-    return limits[reach : reach + TILE].reshape(-1, BLOCK).max(axis=1)
+    def _open(
+        self, first: Tile, second: Tile, limits: Float[np.ndarray, " F"]
+    ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
+        """Pairs that bounds leave open, half of those of a tile with itself; and what the entries
+        of both tiles have to be below."""
+        ends = first.limits(limits), second.limits(limits)
+        inner = slice(self._axis.margin, self._axis.margin + TILE)
+        places = jnp.int32(first.number * TILE), jnp.int32(second.number * TILE)
+        both = jnp.asarray(np.stack([each[inner] for each in ends]), jnp.float32)
+        bits = np.asarray(open_pairs(self._bounds, *places, both, tile=TILE))
+        rows, columns = open_places(bits)
+        if first.number == second.number:
+            half = rows <= columns
+            rows, columns = rows[half], columns[half]
+        return rows, columns, ends

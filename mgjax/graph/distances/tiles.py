@@ -37,9 +37,9 @@ def _tile(
     reach: int,
     thinned: int,
     measured: bool,
-) -> tuple[UInt8[Array, "T T"], Float[Array, "T T"], Float[Array, ""]]:
-    """One tile of pairs: how they are judged, their D², and if it is to be ``measured`` the
-    largest of all."""
+) -> tuple[UInt8[Array, "T T"], Float[Array, ""]]:
+    """One tile of pairs: how they are judged, and if it is to be ``measured`` the largest D² of
+    all."""
     size = TILE + 2 * reach
     of_rows = rows_of(features, row, size, window)
     of_columns = rows_of(features, column, size, window)
@@ -65,7 +65,7 @@ def _tile(
     if thinned:
         lowest = (centre < limit) & _lowest_of_blocks(centre, thinned)
         judged = jnp.where(lowest, jnp.uint8(SURE), judged)
-    return judged, centre, largest
+    return judged, largest
 
 
 def _lowest_of_blocks(squared: Float[Array, "T T"], size: int) -> Bool[Array, "T T"]:
@@ -95,9 +95,8 @@ def search_tiles(
         watched: goes through the tiles, and tells how far it is.
 
     Returns:
-        Rows, columns, judgements and D² (m²), [4, M], and the largest D² of any pair
-        (m²) where the limit is infinite. The
-        lowest of a block are ``SURE``.
+        Rows, columns and judgements, [3, M], and the largest D² of any pair where the limit is
+        infinite, m². The lowest of a block are ``SURE``.
     """
     reach = axis.margin
     count = axis.tiles(TILE)
@@ -106,10 +105,10 @@ def search_tiles(
     valid[: len(axis)] = axis.valid
     leave, arrive = axis.masks(TILE)
     slack = jnp.float32(SLACK * features.spread.max(where=valid, initial=0.0))
-    found = [np.zeros((4, 0))]
+    found = [np.zeros((3, 0), np.int64)]
     largest = 0.0
     for row, column in watched([(i, j) for i in range(count) for j in range(count)]):
-        judged, squared, highest = _tile(
+        judged, highest = _tile(
             features,
             jnp.asarray(valid),
             leave,
@@ -126,6 +125,5 @@ def search_tiles(
         largest = max(largest, float(highest))
         r, c = np.nonzero(np.asarray(judged) != NO)
         place = [r + row * TILE + reach, c + column * TILE + reach]
-        values = [np.asarray(judged)[r, c], np.asarray(squared)[r, c]]
-        found.append(np.stack([x.astype(float) for x in (*place, *values)]))
+        found.append(np.stack([*place, np.asarray(judged)[r, c].astype(np.int64)]))
     return np.concatenate(found, axis=1), largest

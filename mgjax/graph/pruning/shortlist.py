@@ -17,7 +17,7 @@ from mgjax.graph.pruning.candidates import Conditions
 from mgjax.graph.pruning.prune import Candidates
 from mgjax.graph.pruning.thin import seconds_of, turns
 
-_FEW = 1 << 17
+_FEW = 1 << 15
 """So many minima are looked through at once, or half as many as are kept."""
 
 MANY = 40_000

@@ -14,9 +14,7 @@ import numpy as np
 
 from mgjax.core.xla.compilation import threads
 from mgjax.graph.distances.axis import Axis, make_axis
-from mgjax.graph.distances.bounds import Components
-from mgjax.graph.distances.exact import exact_squared
-from mgjax.graph.distances.judge import MAYBE, settle
+from mgjax.graph.distances.components import Components
 from mgjax.graph.distances.pruned import TILE, search_pruned
 
 PART = 4
@@ -71,18 +69,15 @@ def search_block(task: BlockTask) -> dict[str, np.ndarray]:
         axis,
         task.limit,
         pairs,
-        limits=lambda: limits,
+        limits=limits,
         threads=threads(),
         components=task.components,
     )
-    found = np.concatenate([np.zeros((4, 0)), *each], axis=1)
-    rows, columns, judged = found[:3].astype(np.int64)
-    squared = np.zeros(len(rows))
-    unsure = judged == MAYBE
-    squared[unsure] = settle(axis, rows[unsure], columns[unsure], task.limit)
-    squared[~unsure] = _measured(axis, rows[~unsure], columns[~unsure])
+    found = np.concatenate([np.zeros((3, 0)), *(found for found, _ in each)], axis=1)
+    rows, columns = found[:2].astype(np.int64)
+    squared = found[2]
     # A pair that was found for the sake of its column may be above the limit of its row.
-    kept = (squared < task.limit) & (squared <= limits[axis.frames[rows]])
+    kept = squared <= limits[axis.frames[rows]]
     until = np.append(np.flatnonzero(np.diff(limits)) + 1, len(limits))
     return {
         "rows": axis.frames[rows[kept]].astype(np.int32),
@@ -107,13 +102,6 @@ def tile_pairs(tiles: Sequence[int]) -> list[tuple[int, int]]:
     return [(i, first + j) for i in range(first) for j in range(tiles[1])]
 
 
-def _measured(axis: Axis, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """D² of pairs, m²; one that is there both ways round is measured once."""
-    ends = np.stack([np.minimum(rows, columns), np.maximum(rows, columns)], axis=1)
-    unique, back = np.unique(ends, axis=0, return_inverse=True)
-    return exact_squared(axis, unique[:, 0], unique[:, 1])[back.reshape(-1)]
-
-
 def _block_axis(task: BlockTask) -> tuple[Axis, tuple[int, ...]]:
     """The groups on one axis, each beginning with a tile; and how many tiles they have."""
     margin = task.neighbourhood
@@ -129,6 +117,7 @@ def _block_axis(task: BlockTask) -> tuple[Axis, tuple[int, ...]]:
         margin=margin,
         leave=np.concatenate(task.leave),
         arrive=np.concatenate(task.arrive),
+        grain=task.grain,
     )
     first = sum(task.lengths[0]) + margin * len(task.lengths[0]) + margin
     missing = np.zeros(margin + tiles[0] * TILE - first if len(tiles) > 1 else 0, bool)
@@ -138,7 +127,6 @@ def _block_axis(task: BlockTask) -> tuple[Axis, tuple[int, ...]]:
 
     axis = replace(
         whole,
-        grain=task.grain,
         frames=spread(whole.frames, np.full(len(missing), -1)),
         valid=spread(whole.valid, missing),
         leave=spread(whole.leave, missing),

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from tqdm import tqdm
 
-from mgjax.core.body.height import ADULT_M, body_scale
 from mgjax.core.parallel.run import run_all
 from mgjax.graph.distances.axis import make_axis
-from mgjax.graph.distances.bounds import principal
+from mgjax.graph.distances.components import principal
 from mgjax.graph.distances.minima import Minima, Shortlist
 from mgjax.graph.stages.block import PART, BlockTask, search_block, tile_counts, tile_pairs
 from mgjax.graph.stages.groups import Group
@@ -38,6 +37,7 @@ def staged_minima(
     window: int,
     neighbourhood: int,
     threshold: float,
+    grain: float,
     leave: np.ndarray | None,
     arrive: np.ndarray | None,
     shortlist: Shortlist | None = None,
@@ -46,13 +46,11 @@ def staged_minima(
 ) -> Minima:
     """What :func:`mgjax.graph.distances.minima.find_minima` finds below a finite threshold.
 
-    Distances are those of float64, so that they do not depend on how the work is cut.
-
     Args:
         timeline, groups: all clips; see :func:`corpus_groups`.
         weights: of the joints, with the sum 1. [J]
         stages: where blocks are computed and kept.
-        window, neighbourhood, threshold, leave, arrive, shortlist: as there.
+        window, neighbourhood, threshold, grain, leave, arrive, shortlist: as there.
         progress: shows a bar on stderr, with the time left.
         watch: told the share of the work that is done.
 
@@ -72,8 +70,6 @@ def staged_minima(
         limit,
     )
     blocks = list(_blocks(groups, settings, neighbourhood))
-    # A finer grain than this would tell windows apart that are alike, a coarser one would not.
-    grain = 2.0 ** (2 * np.floor(np.log2(body_scale(timeline.skeleton) * ADULT_M)) - 40)
 
     axis = make_axis(
         timeline.positions,
@@ -101,7 +97,7 @@ def staged_minima(
             neighbourhood=neighbourhood,
             limit=limit,
             limits=tuple(found.limits()[each] for each in frames),
-            grain=float(grain),
+            grain=grain,
             components=components,
             part=block.part,
         )

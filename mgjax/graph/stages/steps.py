@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from mgjax.core.body.height import body_scale
+from mgjax.core.body.height import ADULT_M, body_scale
 from mgjax.graph.config import GraphConfig
+from mgjax.graph.distances.axis import grain_of
 from mgjax.graph.distances.minima import Minima, find_minima
 from mgjax.graph.feet.legs import FootChains
 from mgjax.graph.pruning.candidates import Conditions
@@ -66,7 +67,8 @@ class Steps:
         that may stay. What bounds do not serve is found in one piece."""
         leave, arrive = self.allowed if self.config.minima == "allowed" else (None, None)
         # What is nearest to the limit is decided by the caller.
-        threshold = body_scale(self.timeline.skeleton) * limit * (1 + 1e-12)
+        scale = body_scale(self.timeline.skeleton)
+        threshold, grain = scale * limit * (1 + 1e-12), grain_of(scale * ADULT_M)
         shortlist = best_of_seconds(conditions, threshold**2) if np.isfinite(limit) else None
         if self.stages is None or not np.isfinite(limit) or self.config.range_frames:
             found = find_minima(
@@ -77,6 +79,7 @@ class Steps:
                 window=self.window,
                 neighbourhood=self.config.neighbourhood,
                 threshold=threshold,
+                grain=grain,
                 leave=leave,
                 arrive=arrive,
                 thinned=self.config.range_frames,
@@ -93,6 +96,7 @@ class Steps:
             window=self.window,
             neighbourhood=self.config.neighbourhood,
             threshold=threshold,
+            grain=grain,
             leave=leave,
             arrive=arrive,
             shortlist=shortlist,

@@ -10,10 +10,11 @@ from mgjax.clips.folder import load_clips
 from mgjax.core.errors import ConfigError
 from mgjax.graph.build import joint_weights
 from mgjax.graph.config import GraphConfig
-from mgjax.graph.distances import bounds, pruned
+from mgjax.graph.distances import bounds, components, pruned, tile_pair
 from mgjax.graph.distances.axis import Axis, make_axis
 from mgjax.graph.distances.distance import normalised_weights
 from mgjax.graph.distances.exact import exact_squared
+from mgjax.graph.distances.judge import SLACK
 from mgjax.graph.distances.minima import Minima, find_minima
 from mgjax.graph.timeline import make_timeline
 from tests.graph.distances.test_minima import marches, search, steps
@@ -37,14 +38,22 @@ def same(one: Minima, other: Minima) -> int:
         dict(zip(p, m.distances, strict=True)) for p, m in zip(pairs, (one, other), strict=True)
     ]
     for pair, distance in near[0].items():
-        assert distance**2 == pytest.approx(near[1][pair] ** 2, abs=2e-6)
+        assert distance == near[1][pair]
     return len(pairs[0])
+
+
+@pytest.fixture(params=["by one", "by blocks", "either"])
+def compared(request, monkeypatch) -> None:
+    """Whether open pairs are compared one by one, or all of their blocks."""
+    few = {"by one": SIDE**2, "by blocks": 0, "either": 200}[request.param]
+    monkeypatch.setattr(tile_pair, "_FEW", few)
 
 
 def both(clips: list[np.ndarray], **settings) -> int:
     return same(*(search(clips, search=way, **settings) for way in ("all", "pruned")))
 
 
+@pytest.mark.usefixtures("compared")
 @pytest.mark.parametrize("neighbourhood", [1, 3])
 @pytest.mark.parametrize("threshold", [0.01, 0.05, 0.15, 3.0])
 def test_the_minima_of_all_pairs(threshold, neighbourhood):
@@ -52,6 +61,7 @@ def test_the_minima_of_all_pairs(threshold, neighbourhood):
     assert count > (3 if threshold > 0.01 else 0)
 
 
+@pytest.mark.usefixtures("compared")
 def test_where_windows_may_not_be_used():
     clips = marches(150, 80)
     rng = np.random.default_rng(3)
@@ -61,6 +71,7 @@ def test_where_windows_may_not_be_used():
     assert both(clips, threshold=0.15, **masks) > 20
 
 
+@pytest.mark.usefixtures("compared")
 def test_of_noise():
     rng = np.random.default_rng(1)
     clips = [rng.normal(scale=0.4, size=(n, 3, 3)).astype(np.float32) for n in (70, 130)]
@@ -70,6 +81,7 @@ def test_of_noise():
 LEVELS = st.lists(st.integers(0, 3), min_size=40, max_size=40)
 
 
+@pytest.mark.usefixtures("compared")
 @given(LEVELS, LEVELS)
 def test_ties(a, b):
     """Exact ties everywhere, in both halves of the matrix and across the borders of blocks."""
@@ -86,6 +98,7 @@ def test_ties(a, b):
             assert here == set(reference.minima(matrix, 1, 1.5))
 
 
+@pytest.mark.usefixtures("compared")
 def test_motion_that_repeats_and_stands():
     """Copies of a clip, and stillness: whole diagonals and basins are ties."""
     one = marches(90)[0]
@@ -117,34 +130,58 @@ def test_single_pairs_against_the_reference():
     np.testing.assert_array_equal(own, exact_squared(axis, columns + 32, rows + 1))
 
 
-def test_no_block_is_closed_that_has_a_pair_below():
-    clips = marches(200, 120)
-    axis = axis_of(clips)
-    side = 320 + 64
-    projected, longest = bounds.project(axis, side, 64)
+def lengths(axis: Axis) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """All pairs of windows of an axis, and their D²."""
     valid = np.flatnonzero(axis.valid)
-    r, c = (x.ravel() for x in np.meshgrid(valid, valid, indexing="ij"))
-    squared = np.full((side, side), np.inf)
-    squared[r, c] = exact_squared(axis, r, c)
-    assert longest > 0.01
-    closed = 0
+    rows, columns = (x.ravel() for x in np.meshgrid(valid, valid, indexing="ij"))
+    return rows, columns, exact_squared(axis, rows, columns)
+
+
+def test_no_pair_is_closed_that_is_below():
+    axis = axis_of(marches(200, 120))
+    side = 320 + 64
+    parts = components.parts_of(axis.features(0, side), components.principal(axis), axis.window)
+    used = np.pad(axis.valid, (0, side - len(axis)))
+    projected = bounds.bound_rows(parts, used)
+    rows, columns, squared = lengths(axis)
     for limit in (0.02**2, 0.08**2, 0.2**2):
-        opened = np.asarray(
-            bounds.open_blocks(
-                jnp.asarray(projected),
-                jnp.int32(0),
-                jnp.int32(0),
-                jnp.full((2, side), limit, jnp.float32),
-                tile=side,
-            )
-        )
-        count = side // bounds.BLOCK
-        below = squared.reshape(count, bounds.BLOCK, count, bounds.BLOCK).min(axis=(1, 3)) < limit
-        assert not (below & ~opened).any()
-        closed += int((~opened).sum())
-    assert closed > count  # not all are left open
+        limits = jnp.full((2, side), limit, jnp.float32)
+        begin = jnp.int32(0)
+        bits = bounds.open_pairs(jnp.asarray(projected), begin, begin, limits, tile=side)
+        left = np.zeros((side, side), bool)
+        left[bounds.open_places(np.asarray(bits))] = True
+        assert left[rows, columns][squared < limit].all()
+        assert left.sum() < 0.9 * side**2  # not all are left open
 
 
+@pytest.mark.parametrize("count", [1, 4, 48])
+def test_components_tell_how_wrong_they_are(count):
+    axis = axis_of(marches(120, 60))
+    flat, rise, mean = components.principal(axis)
+    few = flat[..., :count], rise[:, :count], mean
+    parts = components.parts_of(axis.features(0, len(axis)), few, axis.window)
+    rows, columns, squared = lengths(axis)
+    own, error = components.nearly(parts, rows, parts, columns)
+    slack = SLACK * parts.spread[axis.valid].max()
+    assert (np.abs(own - squared) <= error + slack).all()
+    largest = {1: 1.0, 4: 0.1, 48: 1e-4}[count]
+    assert 0 < error.max() < largest
+
+
+def test_components_by_hand():
+    """Two windows of one frame: 3 and 4 m² in two directions, a quarter turn apart."""
+    parts = components.Parts(
+        flat=np.array([[3.0, 4j], [3j, -4.0]], np.complex64),
+        rise=np.array([[1.0], [2.0]], np.float32),
+        rest=np.array([[0.1, 0.2], [0.3, 0.4]], np.float32),
+        spread=np.array([26.0, 29.0], np.float32),
+    )
+    squared, error = components.nearly(parts, np.array([0]), parts, np.array([1]))
+    np.testing.assert_allclose(squared, 26 + 29 - 2 * 25 - 2 * 2, rtol=1e-6)
+    np.testing.assert_allclose(error, 2 * (0.03 + 0.08), rtol=1e-6)
+
+
+@pytest.mark.usefixtures("compared")
 def test_few_joints_and_frames_have_fewer_components():
     clips = [
         np.cumsum(np.full((80, 1, 3), 0.01, np.float32), axis=0),
@@ -158,6 +195,7 @@ def test_all_minima_need_all_pairs():
         search(marches(20), search="pruned")
 
 
+@pytest.mark.usefixtures("compared")
 def test_real_capture(capture):
     clips, _ = load_clips(capture / "avoidance", exclude=["bvh_converted/*", "cmu49/*"])
     clips = clips[:4]

@@ -10,6 +10,7 @@ from mgjax.clips.types import Label
 from mgjax.graph.build import build_graph
 from mgjax.graph.config import GraphConfig
 from mgjax.graph.distances import pruned
+from mgjax.graph.distances.tile_pair import TilePair
 from mgjax.graph.pruning import shortlist
 from mgjax.graph.pruning.candidates import Conditions
 from mgjax.graph.pruning.prune import Candidates
@@ -108,15 +109,14 @@ CONFIG = GraphConfig(threshold_m=0.12, best_per_s=3)
 
 
 def searched(monkeypatch) -> list[int]:
-    """Numbers of the blocks of pairs that each pair of tiles opens."""
-    opened, of = [], pruned.open_blocks
+    """How many pairs of windows each pair of tiles compares."""
+    opened, of = [], TilePair.minima
 
-    def watched(*args, **more):
-        found = of(*args, **more)
-        opened.append(int(np.asarray(found).sum()))
-        return found
+    def watched(self, rows, columns):
+        opened.append(len(rows))
+        return of(self, rows, columns)
 
-    monkeypatch.setattr(pruned, "open_blocks", watched)
+    monkeypatch.setattr(TilePair, "minima", watched)
     return opened
 
 
@@ -143,12 +143,14 @@ def test_in_one_piece_less_is_compared(many, monkeypatch):
     opened = searched(monkeypatch)
     monkeypatch.setattr(shortlist, "MANY", 1 << 30)
     whole = build_graph(clips, labels=labels, config=CONFIG)
-    every = sum(opened)
+    every, once = sum(opened), len(opened)
     opened.clear()
     monkeypatch.setattr(shortlist, "MANY", 0)
     part = build_graph(clips, labels=labels, config=CONFIG)
     assert_same_graph(whole, part)
     assert 0 < sum(opened) < every
+    assert len(opened) > once  # near by first, the others later
+    assert_same_graph(whole, build_graph(clips, labels=labels, config=CONFIG, stages=Stages()))
 
 
 @pytest.mark.long
