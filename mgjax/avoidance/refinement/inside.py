@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Float
 
 from mgjax.avoidance.refinement.rig import Rig
@@ -52,3 +55,16 @@ def deepest(
     way = way / jnp.sqrt(jnp.sum(way * way, axis=-1, keepdims=True) + 1e-12)
     slopes = jnp.einsum("tke,tkx,tkexc->tkc", shares, way, now.to_places[:, joints])
     return beyond[:, worst], -slopes
+
+
+def too_deep(
+    rig: Rig,
+    were: Float[np.ndarray, "T J 3"],
+    are: Float[np.ndarray, "T J 3"],
+    scale: float,
+) -> bool:
+    """Whether a change of places of joints, m, puts a limb deeper in the body than it was, and than
+    it may be."""
+    plain = replace(rig, apart=np.asarray(rig.apart), pairs=jax.tree.map(np.asarray, rig.pairs))
+    now = np.max(depths(plain, are), initial=0.0)
+    return bool(now > DEPTH_M * scale and now > np.max(depths(plain, were), initial=0.0))
