@@ -133,6 +133,7 @@ def refinement_json(change: Refinement) -> dict[str, Any]:
         "start_s": change.start,
         "end_s": change.stop,
         "clearance_before_m": change.clearance_before_m,
+        "shift_s": change.shift_s,
         "largest_m": change.largest_m,
         "largest_deg": change.largest_deg,
         "joints": {name: {"moved_m": m, "turned_deg": deg} for name, m, deg in rows},
