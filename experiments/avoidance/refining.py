@@ -156,7 +156,7 @@ def _measured(
             title = (
                 f"ball {number}, there in {case.arrives:g} s: {100 * change.largest_m:.1f} cm,"
                 f" {change.largest_deg:.0f}°; clearance {100 * change.clearance_before_m:.1f} to"
-                f" {100 * change.clearance_m:.1f} cm"
+                f" {100 * change.clearance_m:.1f} cm; {1000 * change.shift_s:+.0f} ms"
             )
             attack = throws.attack(number)
             strips.append(

@@ -268,13 +268,16 @@ def describe(graph: MotionGraph, selection: Selection) -> str:
             f" {100 * parry.largest_m:.0f} cm and {parry.largest_deg:.0f}°;"
             f" nothing avoids it among {chosen.candidates} candidates"
         )
-    kind, way = graph.label_kind[chosen.part or 0], graph.label_direction[chosen.part or 0]
+    kind, side = graph.label_kind[chosen.part or 0], graph.label_direction[chosen.part or 0]
     change = chosen.refinement
     changed = ""
     if change is not None:
         changed = f", changed by {100 * change.largest_m:.1f} cm and {change.largest_deg:.0f}°"
+        if change.shift_s:
+            way = "later" if change.shift_s > 0 else "earlier"
+            changed += f", {abs(change.shift_s):.2f} s {way}"
     return (
-        f"{chosen.status} by {kind} {way}".rstrip()
+        f"{chosen.status} by {kind} {side}".rstrip()
         + f", clearance {chosen.clearance_m:.3f} m, time scale {chosen.time_scale:.2f},"
         f" best of {chosen.candidates} candidates{changed}"
     )
