@@ -54,7 +54,7 @@ def drawn_results(
     line: Callable[[dict[str, Any]], str],
 ) -> Results:
     """Rows as metrics and lines, and some of the answers as a figure ``strips``."""
-    chosen = [drawn[k] for k in _spread(len(drawn), wanted)]
+    chosen = [drawn[k] for k in spread(len(drawn), wanted)]
     return Results(
         metrics={"rows": rows, "drawn": [strip.title for strip in chosen]},
         figures={"strips": lambda: strips_figure(chosen)},
@@ -71,7 +71,7 @@ def strips_figure(strips: Sequence[Strip]) -> Figure:
     return figure
 
 
-def _spread(count: int, wanted: int) -> list[int]:
+def spread(count: int, wanted: int) -> list[int]:
     """Numbers spread evenly over all."""
     if not count:
         return []

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
+from experiments.avoidance.connectivity_plot import figure, price_figure
 from experiments.avoidance.graphs import EMBEDDED_M, clips_of, speed_changes
 from experiments.avoidance.success import genuine_parts
 from experiments.avoidance.throws import arriving_in, standard_throws, wilson
@@ -111,7 +111,7 @@ def run(config: Config, points: Points) -> Results:
     rows = [name | row for name, row in zip(named, found.values(), strict=True)]
     return Results(
         metrics={"rows": rows},
-        figures={"connectivity": lambda: figure(rows)},
+        figures={"connectivity": lambda: figure(rows), "price": lambda: price_figure(rows)},
         lines=tuple(_line(row) for row in rows),
     )
 
@@ -161,33 +161,6 @@ def _avoided(
         "time_scale": np.percentile(scales, [5, 50, 95]).tolist() if len(scales) else None,
         "no_faster_than_1.15": float((avoided & (answers.time_scale >= 1 / 1.15)).mean()),
     }
-
-
-def figure(rows: list[dict[str, Any]]) -> Figure:
-    """Avoidable cells (C2), and balls avoided, over what feet slide in seams (G1), by option.
-
-    The points of an option are its thresholds; the dotted line is uncut motion at the same places.
-    """
-    drawn = Figure(figsize=(11, 4.8), layout="constrained")
-    left, right = drawn.subplots(1, 2)
-    for number, name in enumerate(dict.fromkeys(row["option"] for row in rows)):
-        own = [row for row in rows if row["option"] == name]
-        slides = [row["seams"]["skate_cm"] for row in own]
-        cells = [100 * row["connectivity"]["avoidable_cells"] for row in own]
-        soonest = [100 * next(iter(row["avoided"].values()))["share"] for row in own]
-        style: dict[str, Any] = {"marker": "o", "color": f"C{number % 10}", "label": name}
-        left.plot(slides, cells, **style)
-        right.plot(slides, soonest, **style)
-        for x, y, row in zip(slides, cells, own, strict=True):
-            left.annotate(f"{row['built_below_m']:.2f}", (x, y), fontsize=7)
-    left.set(ylabel="cells avoided from 90 % of the nodes, %", ylim=(0, 100))
-    right.set(ylabel="standard balls avoided, %", ylim=(0, 100))
-    for axes in (left, right):
-        axes.set_xlabel("feet slide in seams (skate_cm), cm a frame")
-        axes.axvline(min(row["seams"]["skate_cm_uncut"] for row in rows), color="k", ls=":")
-        axes.grid(alpha=0.3)
-    right.legend(frameon=False, fontsize=8)
-    return drawn
 
 
 def _line(row: dict[str, Any]) -> str:

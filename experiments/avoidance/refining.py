@@ -12,11 +12,13 @@ walk that is touched least. All are judged as written.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import partial
+from time import perf_counter, process_time
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from experiments.avoidance.attack_strips import Strip, drawn_results
+from experiments.avoidance.attack_strips import Strip, drawn_results, spread
 from experiments.avoidance.graphs import built, graph_of
 from experiments.avoidance.success import genuine_parts
 from experiments.avoidance.throws import (
@@ -30,8 +32,10 @@ from experiments.avoidance.throws import (
 from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.checks.written import sphere_trajectory
-from mgjax.avoidance.choice.selection import Selection, select
-from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.choice.selection import Selection, refine, select
+from mgjax.avoidance.config import AvoidanceConfig, for_body
+from mgjax.avoidance.prepared import prepared_for
+from mgjax.avoidance.refinement.refine import refine_walks
 from mgjax.avoidance.refinement.refinement import Refinement
 from mgjax.core.errors import AttackError
 from mgjax.core.motion import Motion
@@ -40,6 +44,8 @@ from mgjax.runs.experiment import Results, experiment
 
 NEAR_M = (0.05, 0.12)
 """Depths up to which misses are counted apart."""
+Near: TypeAlias = tuple[MotionGraph, Selection, Attack]
+"""An answer that is hit, and what hits it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +68,8 @@ class Config:
     """Standard balls a row."""
     strips: int = 10
     """Refinements that are drawn."""
+    timed: int = 30
+    """Near misses for which the time to change one path is measured, when all else is done."""
     seed: int = 0
     """Draws nodes, sides and heights."""
     avoidance: AvoidanceConfig = field(default_factory=AvoidanceConfig)
@@ -69,7 +77,14 @@ class Config:
 
     @classmethod
     def smoke(cls) -> dict[str, Any]:
-        few = {"arrives": (0.8,), "thresholds": (), "genuine": False, "balls": 6, "strips": 1}
+        few = {
+            "arrives": (0.8,),
+            "thresholds": (),
+            "genuine": False,
+            "balls": 6,
+            "strips": 1,
+            "timed": 1,
+        }
         return {"graph": "", "clips": "", **few}
 
 
@@ -86,11 +101,18 @@ def run(config: Config) -> Results:
     """Throws all balls twice."""
     rows: list[dict[str, Any]] = []
     drawn: list[Strip] = []
+    near: list[Near] = []
     for case in _cases(config):
-        row, found = _measured(config, case, _graph(config, case))
+        row, found, misses = _measured(config, case, _graph(config, case))
         rows.append(row)
         drawn += found
-    return drawn_results(rows, drawn, config.strips, _line)
+        near += misses
+    results = drawn_results(rows, drawn, config.strips, _line)
+    timed = one_path(near, config.timed, config.avoidance)
+    if timed is None:
+        return results
+    lines = (*results.lines, _timed_line(timed))
+    return replace(results, metrics={**results.metrics, "one_path": timed}, lines=lines)
 
 
 def _cases(config: Config) -> list[Case]:
@@ -110,13 +132,16 @@ def _graph(config: Config, case: Case) -> MotionGraph:
     return genuine_parts(graph) if case.genuine else graph
 
 
-def _measured(config: Config, case: Case, graph: MotionGraph) -> tuple[dict[str, Any], list[Strip]]:
-    """One row, and its refinements."""
+def _measured(
+    config: Config, case: Case, graph: MotionGraph
+) -> tuple[dict[str, Any], list[Strip], list[Near]]:
+    """One row, its refinements, and its misses that a move within the cap may clear."""
     throws = arriving_in(standard_throws(config.balls, config.seed), case.arrives)
     plain, refined = (
         _answers(graph, throws, replace(config.avoidance, refine=how)) for how in ("off", "near")
     )
     misses: list[tuple[float, bool]] = []
+    near: list[Near] = []
     strips: list[Strip] = []
     changes: list[Refinement] = []
     for number, (without, with_) in enumerate(zip(plain, refined, strict=True)):
@@ -124,12 +149,14 @@ def _measured(config: Config, case: Case, graph: MotionGraph) -> tuple[dict[str,
             continue
         if without.status == "hit" and without.clearance_m is not None:
             misses.append((-without.clearance_m, with_.status == "avoided"))
+            if -without.clearance_m < config.avoidance.refine_max_m:
+                near.append((graph, without, throws.attack(number)))
         if with_.refinement is not None:
             change = with_.refinement
             title = (
                 f"ball {number}, there in {case.arrives:g} s: {100 * change.largest_m:.1f} cm,"
                 f" {change.largest_deg:.0f}°; clearance {100 * change.clearance_before_m:.1f} to"
-                f" {100 * change.clearance_m:.1f} cm"
+                f" {100 * change.clearance_m:.1f} cm; {1000 * change.shift_s:+.0f} ms"
             )
             attack = throws.attack(number)
             strips.append(
@@ -150,6 +177,7 @@ def _measured(config: Config, case: Case, graph: MotionGraph) -> tuple[dict[str,
         "without": _shares(plain),
         "with": _shares(refined),
         "refined": len(changes),
+        "later": sum(change.shift_s != 0 for change in changes),
         "largest_cm_p5_p50_p95": percentiles([100 * c.largest_m for c in changes], (5, 50, 95)),
         "largest_deg_p5_p50_p95": percentiles([c.largest_deg for c in changes], (5, 50, 95)),
         "near_misses": [
@@ -161,7 +189,49 @@ def _measured(config: Config, case: Case, graph: MotionGraph) -> tuple[dict[str,
             for limit in NEAR_M
         ],
     }
-    return row, strips
+    return row, strips, near
+
+
+def one_path(near: list[Near], wanted: int, config: AvoidanceConfig) -> dict[str, Any] | None:
+    """What it takes to change one path, compiled and warm: median and 95th percentile, ms.
+
+    ``path`` is the change with its check, ``answer`` that and its motion, written; ``processor`` is
+    the time of all threads.
+    """
+    chosen = [near[k] for k in spread(len(near), wanted)]
+    taken: dict[str, list[tuple[float, float]]] = {"path": [], "answer": []}
+    cleared = 0
+    for warm in (False, True):
+        for graph, selection, attack in chosen:
+            prepared = prepared_for(graph, config)
+            own = for_body(config, graph.body_scale)
+            for name, call in (
+                ("path", partial(refine_walks, prepared, [selection.walk], attack, own)),
+                ("answer", partial(refine, prepared, selection, attack, config=config)),
+            ):
+                began = perf_counter(), process_time()
+                found = call()
+                seconds = perf_counter() - began[0], process_time() - began[1]
+                if warm:
+                    taken[name].append(seconds)
+                    cleared += isinstance(found, Selection) and found.status == "avoided"
+    if not chosen:
+        return None
+    times = {
+        f"{name}_{clock}_ms_p50_p95": percentiles([1000 * pair[k] for pair in pairs], (50, 95))
+        for name, pairs in taken.items()
+        for k, clock in enumerate(("wall", "processor"))
+    }
+    return {"misses": len(chosen), "cleared": cleared, **times}
+
+
+def _timed_line(timed: dict[str, Any]) -> str:
+    parts = [f"one path of {timed['misses']}, {timed['cleared']} of them cleared:"]
+    for name in ("path", "answer"):
+        for clock in ("wall", "processor"):
+            p50, p95 = timed[f"{name}_{clock}_ms_p50_p95"]
+            parts.append(f"{name} {p50:.0f} ms (p95 {p95:.0f}) {clock};")
+    return " ".join(parts).rstrip(";")
 
 
 def _nearest(graph: MotionGraph, attack: Attack, motion: Motion) -> float:
@@ -199,7 +269,8 @@ def _line(row: dict[str, Any]) -> str:
         text += f"; up to {100 * near['up_to_m']:.0f} cm {near['mended']} of {near['misses']}"
     if row["refined"]:
         text += (
-            f"; {row['refined']} changed by {row['largest_cm_p5_p50_p95'][1]:.1f} cm,"
+            f"; {row['refined']} changed, {row['later']} of them earlier or later, by"
+            f" {row['largest_cm_p5_p50_p95'][1]:.1f} cm,"
             f" {row['largest_deg_p5_p50_p95'][1]:.0f}°"
         )
     return text

@@ -133,6 +133,7 @@ def refinement_json(change: Refinement) -> dict[str, Any]:
         "start_s": change.start,
         "end_s": change.stop,
         "clearance_before_m": change.clearance_before_m,
+        "shift_s": change.shift_s,
         "largest_m": change.largest_m,
         "largest_deg": change.largest_deg,
         "joints": {name: {"moved_m": m, "turned_deg": deg} for name, m, deg in rows},
@@ -267,13 +268,16 @@ def describe(graph: MotionGraph, selection: Selection) -> str:
             f" {100 * parry.largest_m:.0f} cm and {parry.largest_deg:.0f}°;"
             f" nothing avoids it among {chosen.candidates} candidates"
         )
-    kind, way = graph.label_kind[chosen.part or 0], graph.label_direction[chosen.part or 0]
+    kind, side = graph.label_kind[chosen.part or 0], graph.label_direction[chosen.part or 0]
     change = chosen.refinement
     changed = ""
     if change is not None:
         changed = f", changed by {100 * change.largest_m:.1f} cm and {change.largest_deg:.0f}°"
+        if change.shift_s:
+            way = "later" if change.shift_s > 0 else "earlier"
+            changed += f", {abs(change.shift_s):.2f} s {way}"
     return (
-        f"{chosen.status} by {kind} {way}".rstrip()
+        f"{chosen.status} by {kind} {side}".rstrip()
         + f", clearance {chosen.clearance_m:.3f} m, time scale {chosen.time_scale:.2f},"
         f" best of {chosen.candidates} candidates{changed}"
     )

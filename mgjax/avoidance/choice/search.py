@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.avoidance.attacks.batch import AttackBatch
+from mgjax.avoidance.attacks.batch import AttackBatch, AttackColumn
 from mgjax.avoidance.body.device_tables import DeviceTables
 from mgjax.avoidance.candidates.batch import EDGE_BUCKET, CandidateBatch, pad_candidates
 from mgjax.avoidance.candidates.enumerate import Candidates
@@ -187,12 +187,21 @@ def attack_batch_for(query: Query, candidates: Candidates) -> AttackBatch:
 def search_candidates(query: Query, candidates: Candidates) -> tuple[SearchInput, SearchResult]:
     """Candidates as compiled code reads them, and what it says of them."""
     padded = search_input(query, candidates)
-    result = search_one(
+    return padded, search_shifted(query, padded, 0.0)
+
+
+def search_shifted(query: Query, padded: SearchInput, shift: float) -> SearchResult:
+    """The same for candidates whose avoidance parts come so much later than eq. 3 has it, s."""
+    attack_batch = padded.attack_batch
+    if shift:
+        numbers = np.array(attack_batch.numbers)
+        numbers[:, AttackColumn.T_ATTACK] += np.float32(shift)
+        attack_batch = replace(attack_batch, numbers=numbers)
+    return search_one(
         query.prepared.device,
         padded.walks,
-        padded.attack_batch,
+        attack_batch,
         in_32_bits(query.config.energy),
         frame_rate=query.prepared.graph.frame_rate,
         limit_scale=query.config.limit_scale,
     )
-    return padded, result

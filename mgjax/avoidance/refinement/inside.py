@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
-from jaxtyping import Float
+import numpy as np
+from jaxtyping import Bool, Float
 
 from mgjax.avoidance.refinement.rig import Rig
 from mgjax.avoidance.refinement.slopes import Changed
@@ -52,3 +55,35 @@ def deepest(
     way = way / jnp.sqrt(jnp.sum(way * way, axis=-1, keepdims=True) + 1e-12)
     slopes = jnp.einsum("tke,tkx,tkexc->tkc", shares, way, now.to_places[:, joints])
     return beyond[:, worst], -slopes
+
+
+def too_deep(
+    rig: Rig,
+    were: Float[np.ndarray, "T J 3"],
+    are: Float[np.ndarray, "T J 3"],
+    scale: float,
+) -> bool:
+    """Whether a change of places of joints, m, puts a limb deeper in the body than it was, and than
+    it may be."""
+    near = _may_meet(rig, are)
+    joints, reach, least = (np.asarray(x) for x in (rig.pairs.joints, rig.pairs.reach, rig.apart))
+    pairs = replace(rig.pairs, joints=joints[near], reach=reach[near])
+    some = replace(rig, apart=least[near], pairs=pairs)
+    if np.max(depths(some, are), initial=0.0) <= DEPTH_M * scale:
+        return False
+    pairs = replace(rig.pairs, joints=joints, reach=reach)
+    every = replace(rig, apart=least, pairs=pairs)
+    return bool(np.max(depths(some, are)) > np.max(depths(every, were)))
+
+
+def _may_meet(rig: Rig, places: Float[np.ndarray, "T J 3"]) -> Bool[np.ndarray, " P"]:
+    """Which pairs of capsules may meet at any moment, by the spheres around them."""
+    ends = np.asarray(rig.pairs.joints)
+    bones, number = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
+    first, second = number.reshape(-1, 2).T
+    middles = 0.5 * (places[:, bones[:, 0]] + places[:, bones[:, 1]])
+    bone = places[:, bones[:, 0]] - places[:, bones[:, 1]]
+    half = 0.5 * np.sqrt(np.max(np.sum(bone * bone, axis=-1), axis=0))
+    way = middles[:, first] - middles[:, second]
+    away = np.sqrt(np.min(np.sum(way * way, axis=-1), axis=0))
+    return away < half[first] + half[second] + np.asarray(rig.pairs.reach)

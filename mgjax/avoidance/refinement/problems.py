@@ -14,11 +14,11 @@ from mgjax.avoidance.body.spheres import sphere_centres
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import EXPORT_RATE, FAR
+from mgjax.avoidance.refinement.costs import Problem
 from mgjax.avoidance.refinement.inside import AIMED, DEPTH_M
 from mgjax.avoidance.refinement.played import Played, Refiner, free_at, written_frames
 from mgjax.avoidance.refinement.rig import Rig, unit_of
 from mgjax.avoidance.refinement.slopes import base_of
-from mgjax.avoidance.refinement.solve import Problem
 from mgjax.avoidance.refinement.splines import basis, size_matrix
 from mgjax.core.arrays import Array
 from mgjax.core.kinematics import forward

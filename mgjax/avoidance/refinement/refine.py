@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
@@ -15,7 +14,7 @@ from mgjax.avoidance.checks.written import clearance, sphere_trajectory
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.prepared import Prepared
 from mgjax.avoidance.rates import EXPORT_RATE
-from mgjax.avoidance.refinement.inside import DEPTH_M, depths
+from mgjax.avoidance.refinement.inside import too_deep
 from mgjax.avoidance.refinement.played import (
     Played,
     Refiner,
@@ -34,11 +33,11 @@ from mgjax.avoidance.refinement.refinement import (
     Refinement,
     change_motion,
     change_of_joints,
+    places_of,
+    with_rows,
 )
-from mgjax.avoidance.refinement.rig import Rig
 from mgjax.avoidance.refinement.solve import solve_compiled
 from mgjax.avoidance.refinement.splines import SPLINES, basis
-from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
 from mgjax.core.timing.time_warp import TimeWarp
 from mgjax.graph.feet.course import FeetState
@@ -50,6 +49,62 @@ _LITTLE = 1.12
 """A change so many times too large is made smaller, so often at most."""
 ENOUGH_M = 0.003
 """Clearance of the written motion with which a change is good enough, of an adult."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Attempt:
+    """A walk that may be changed.
+
+    Attributes:
+        played: as it is written.
+        clearance: of that, m.
+    """
+
+    played: Played
+    clearance: float
+
+
+def attempts(
+    prepared: Prepared,
+    walks: Sequence[Walk],
+    attack: Attack,
+    config: AvoidanceConfig,
+    begin: FeetState | None = None,
+) -> list[Attempt]:
+    """Walks as they are written, and how near an attack comes to each; see :func:`refine_walks`."""
+    refiner, until = refiner_of(prepared.graph), last_moment(attack, config)
+    times = written_frames(attack)
+    found: list[Attempt] = []
+    for walk in walks:
+        motion = played(prepared.graph, walk, until, begin=begin)
+        least = _clearance(refiner, motion.motion(times), attack, float(times[0]))
+        found.append(Attempt(played=motion, clearance=least))
+    return found
+
+
+def within_reach(attempt: Attempt, config: AvoidanceConfig, scale: float) -> bool:
+    """Whether moves within the cap can clear a walk at all: no sphere moves farther than joints."""
+    return attempt.clearance + config.refine_max_m >= ENOUGH_M * scale
+
+
+def refine_attempt(
+    prepared: Prepared, attempt: Attempt, attack: Attack, config: AvoidanceConfig
+) -> Refinement | None:
+    """The least change that clears a walk; None where none is found. See :func:`refine_walks`."""
+    refiner, scale = refiner_of(prepared.graph), prepared.graph.body_scale
+    if attempt.clearance >= ENOUGH_M * scale:
+        return _unchanged(refiner, attempt, attack)
+    if not within_reach(attempt, config, scale):
+        return None
+    lane = lane_of(prepared, refiner, attempt.played, attack, config)
+    if lane is None:
+        return None
+    solution = solve_compiled(refiner.rig, padded(lane))
+    cleared = float(solution.clearance)
+    if not np.isfinite(cleared) or cleared < 0:
+        return None
+    coefficients = np.asarray(solution.coefficients, np.float64)
+    return checked(refiner, attempt, lane.start, lane.stop, coefficients, attack, config)
 
 
 def refine_walks(
@@ -70,28 +125,15 @@ def refine_walks(
         begin: what the feet are off now; default: nothing.
 
     Returns:
-        One for each walk. Every one that is not None was checked: the changed motion as it is
-        written has a clearance of ``ENOUGH_M``, keeps within both caps, and has no limb deeper in
-        the body than before, or than the capture and ``DEPTH_M``.
+        One for each walk; of one that is clear as it is written it changes nothing. Every one that
+        is not None was checked: the changed motion as it is written has a clearance of
+        ``ENOUGH_M``, keeps within both caps, and has no limb deeper in the body than before, or
+        than the capture and ``inside.DEPTH_M``.
     """
-    graph, refiner = prepared.graph, refiner_of(prepared.graph)
-    until = last_moment(attack, config)
-    found: list[Refinement | None] = []
-    for walk in walks:
-        motion = played(graph, walk, until, begin=begin)
-        lane = lane_of(prepared, refiner, motion, attack, config)
-        if lane is None:
-            found.append(None)
-            continue
-        solution = solve_compiled(refiner.rig, padded(lane))
-        cleared = float(solution.clearance)
-        coefficients = np.asarray(solution.coefficients, np.float64)
-        change = None
-        if np.isfinite(cleared) and cleared >= 0:
-            span = lane.start, lane.stop
-            change = checked(refiner, motion, *span, coefficients, attack, config)
-        found.append(change)
-    return found
+    return [
+        refine_attempt(prepared, attempt, attack, config)
+        for attempt in attempts(prepared, walks, attack, config, begin)
+    ]
 
 
 def compile_refining(prepared: Prepared, moments: int, spheres: int) -> None:
@@ -108,7 +150,7 @@ def compile_refining(prepared: Prepared, moments: int, spheres: int) -> None:
 
 def checked(
     refiner: Refiner,
-    motion: Played,
+    attempt: Attempt,
     start: float,
     stop: float,
     coefficients: Float[np.ndarray, "K C"],
@@ -121,14 +163,16 @@ def checked(
     change that is a little too large is made smaller as a whole, since more than enough is aimed
     at.
     """
-    rig, graph = refiner.rig, motion.graph
+    rig, motion = refiner.rig, attempt.played
+    graph, tiny = motion.graph, 1e-9
     frames = np.arange(round(start * EXPORT_RATE), round(stop * EXPORT_RATE) + 1) / EXPORT_RATE
     before = motion.motion(frames)
+    were = places_of(rig, before)
     for _ in range(_SHRINKING):
         values = values_of(refiner, motion, start, stop, coefficients)
         after = change_motion(rig, before, frames, values, start)
-        moved, turned = change_of_joints(rig, before, after)
-        tiny = 1e-9
+        places = places_of(rig, after)
+        moved, turned = change_of_joints(before, after, were, places)
         share = max(
             float(moved.max()) / max(config.refine_max_m, tiny),
             float(turned.max()) / max(config.refine_max_deg, tiny),
@@ -140,10 +184,10 @@ def checked(
         coefficients = coefficients * (0.999 / share)
     else:
         return None
-    least = clearance_at(refiner, motion, attack, values, start)
-    if least < ENOUGH_M * graph.body_scale:
-        return None
-    if too_deep(rig, before, after, graph.body_scale):
+    times = written_frames(attack)
+    poses = with_rows(motion.motion(times), times, after, start)
+    least = _clearance(refiner, poses, attack, float(times[0]))
+    if least < ENOUGH_M * graph.body_scale or too_deep(rig, were, places, graph.body_scale):
         return None
     some = np.flatnonzero((moved > 1e-5) | (turned > 1e-3))
     return Refinement(
@@ -152,22 +196,25 @@ def checked(
         joints=tuple(graph.skeleton.names[j] for j in some),
         moved_m=tuple(moved[some].tolist()),
         turned_deg=tuple(turned[some].tolist()),
-        clearance_before_m=clearance_at(refiner, motion, attack, None, start),
+        clearance_before_m=attempt.clearance,
         clearance_m=least,
         coefficients=coefficients,
     )
 
 
-def too_deep(rig: Rig, before: Motion, after: Motion, scale: float) -> bool:
-    """Whether a change puts a limb deeper in the body than it was, and than it may be."""
-    plain = replace(rig, apart=np.asarray(rig.apart), pairs=jax.tree.map(np.asarray, rig.pairs))
-    skeleton = replace(rig.skeleton, offsets=np.asarray(rig.skeleton.offsets))
-    were, are = (
-        depths(plain, np.asarray(forward(skeleton, m.root_translation, m.local_rotations)[0]))
-        for m in (before, after)
+def _unchanged(refiner: Refiner, attempt: Attempt, attack: Attack) -> Refinement:
+    """What changes nothing of a walk that is clear as it is written."""
+    channels = refiner.rig.channels
+    return Refinement(
+        start=float(written_frames(attack)[0]),
+        values=np.zeros((2, channels)),
+        joints=(),
+        moved_m=(),
+        turned_deg=(),
+        clearance_before_m=attempt.clearance,
+        clearance_m=attempt.clearance,
+        coefficients=np.zeros((SPLINES, channels)),
     )
-    most = np.maximum(np.max(were, initial=0.0), DEPTH_M * scale)
-    return bool(np.max(are, initial=0.0) > most)
 
 
 def retimed(
@@ -186,7 +233,10 @@ def retimed(
     start, stop = refinement.start, refinement.stop
     motion = played(prepared.graph, walk, last_moment(attack, config), timing=timing, begin=begin)
     refiner = refiner_of(prepared.graph)
-    return checked(refiner, motion, start, stop, refinement.coefficients, attack, config)
+    least = clearance_at(refiner, motion, attack, None, start)
+    attempt = Attempt(played=motion, clearance=least)
+    found = checked(refiner, attempt, start, stop, refinement.coefficients, attack, config)
+    return None if found is None else replace(found, shift_s=refinement.shift_s)
 
 
 def change_written(graph: MotionGraph, refinement: Refinement, motion: Motion) -> Motion:
@@ -224,8 +274,13 @@ def clearance_at(
     poses = motion.motion(times)
     if values is not None:
         poses = change_motion(refiner.rig, poses, times, values, start)
-    trace = sphere_trajectory(motion.graph, refiner.spheres, poses)
-    return clearance(shifted(attack, float(times[0])), trace, refiner.spheres.radii)[1]
+    return _clearance(refiner, poses, attack, float(times[0]))
+
+
+def _clearance(refiner: Refiner, poses: Motion, attack: Attack, begins: float) -> float:
+    """The exact check of poses from a moment on, m."""
+    trace = sphere_trajectory(refiner.graph, refiner.spheres, poses)
+    return clearance(shifted(attack, begins), trace, refiner.spheres.radii)[1]
 
 
 def refined_clearance(

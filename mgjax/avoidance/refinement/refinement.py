@@ -68,9 +68,12 @@ class Refinement(JointChange):
     Attributes:
         coefficients: of the splines that ``values`` come from, before planted feet are left where
             they are; see :mod:`mgjax.avoidance.refinement.splines`. [K, C]
+        shift_s: how much later than eq. 3 has it the avoidance part of the walk comes, s; earlier
+            if negative.
     """
 
     coefficients: Float[np.ndarray, "K C"]
+    shift_s: float = 0.0
 
     def effort(self, config: AvoidanceConfig) -> float:
         """The larger of move and turn, as shares of the caps; 0 … 1."""
@@ -155,15 +158,38 @@ def free_feet(
     return free
 
 
-def change_of_joints(
-    rig: Rig, before: Motion, after: Motion
-) -> tuple[Float[np.ndarray, " J"], Float[np.ndarray, " J"]]:
-    """How far each joint is moved, m, and turned in its parent's frame, degrees, at most."""
+def with_rows(
+    motion: Motion, times: Float[np.ndarray, " T"], other: Motion, start: float
+) -> Motion:
+    """Poses at written frames, those that another motion has from ``start`` on taken from it."""
+    rows = np.round((times - start) * EXPORT_RATE).astype(np.int64)
+    own = (rows >= 0) & (rows < other.num_frames)
+    root = np.array(motion.root_translation)
+    rotations = np.array(motion.local_rotations)
+    root[own] = other.root_translation[rows[own]]
+    rotations[own] = other.local_rotations[rows[own]]
+    return like(replace(motion, root_translation=root, local_rotations=rotations), motion)
+
+
+def places_of(rig: Rig, motion: Motion) -> Float[np.ndarray, "T J 3"]:
+    """Places of the joints of a motion, m."""
     skeleton = replace(rig.skeleton, offsets=np.asarray(rig.skeleton.offsets))
-    old, new = (
-        forward(skeleton, np.asarray(m.root_translation), np.asarray(m.local_rotations))[0]
-        for m in (before, after)
-    )
-    moved = np.linalg.norm(np.asarray(new) - np.asarray(old), axis=-1)
+    root, rotations = np.asarray(motion.root_translation), np.asarray(motion.local_rotations)
+    return np.asarray(forward(skeleton, root, rotations)[0])
+
+
+def change_of_joints(
+    before: Motion,
+    after: Motion,
+    were: Float[np.ndarray, "T J 3"],
+    are: Float[np.ndarray, "T J 3"],
+) -> tuple[Float[np.ndarray, " J"], Float[np.ndarray, " J"]]:
+    """How far each joint is moved, m, and turned in its parent's frame, degrees, at most.
+
+    Args:
+        before, after: the motion.
+        were, are: places of its joints, m.
+    """
+    moved = np.linalg.norm(are - were, axis=-1)
     turned = quaternion.angle_between(before.local_rotations, after.local_rotations)
     return moved.max(axis=0), np.degrees(np.asarray(turned).max(axis=0))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax
 import numpy as np
 import pytest
 
@@ -17,6 +18,8 @@ from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.many.attacks import select_batch
 from mgjax.avoidance.play.planner import Planner
 from mgjax.avoidance.rates import EXPORT_RATE
+from mgjax.avoidance.refinement.inside import DEPTH_M, depths, too_deep
+from mgjax.avoidance.refinement.played import refiner_of
 from mgjax.avoidance.refinement.refine import ENOUGH_M, refine_walks
 from mgjax.cli.avoid import selection_json
 from mgjax.core import planar
@@ -26,6 +29,8 @@ from mgjax.core.kinematics import forward
 from mgjax.graph.types import MotionGraph
 from mgjax.graph.walk import Walk, make_walk
 from tests.avoidance.refinement.made import CONFIG, asked
+
+PAIRS = "apart", "pairs"
 
 
 def head_of(graph: MotionGraph) -> tuple[np.ndarray, float]:
@@ -119,6 +124,34 @@ def test_several_at_once_are_as_one_by_one(still: MotionGraph) -> None:
     for one in together:
         assert one is not None
         np.testing.assert_allclose(one.values, alone.values, atol=2e-4)
+
+
+def test_nothing_is_changed_of_what_is_clear_as_it_is_written(still: MotionGraph) -> None:
+    prepared, config = asked(still)
+    attack = ball_into_head(still, -0.05)
+    (found,) = refine_walks(prepared, [standing(still)], attack, config)
+    assert found is not None
+    assert found.largest_m == found.largest_deg == 0.0
+    assert not found.values.any()
+    assert found.clearance_m == found.clearance_before_m == pytest.approx(0.05, abs=2e-3)
+
+
+def test_only_limbs_deeper_than_before_and_than_in_the_capture_are_too_deep(
+    still: MotionGraph,
+) -> None:
+    rig = refiner_of(still).rig
+    rng = np.random.default_rng(2)
+    frames = still.positions[10:20]
+    said = []
+    for size in np.linspace(0.0, 0.2, 12).tolist():
+        moved = frames + rng.normal(scale=size, size=frames.shape[1:]).astype(np.float32)
+        plain = replace(rig, **{k: jax.tree.map(np.asarray, getattr(rig, k)) for k in PAIRS})
+        deep = [max(float(np.max(depths(plain, x))), 0.0) for x in (frames, moved)]
+        expected = deep[1] > max(deep[0], DEPTH_M * still.body_scale)
+        assert too_deep(rig, frames, moved, still.body_scale) == expected
+        said.append(expected)
+    assert any(said)
+    assert not all(said)
 
 
 def test_caps_are_kept(still: MotionGraph) -> None:
