@@ -11,7 +11,7 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float, UInt8
+from jaxtyping import Bool, Float, Int, UInt8
 
 from mgjax.core.arrays import Array
 from mgjax.graph.distances.components import Parts
@@ -96,3 +96,18 @@ def open_places(bits: UInt8[np.ndarray, "R8 T"]) -> tuple[np.ndarray, np.ndarray
         rows.append(row[here] * TOGETHER + k)
         columns.append(column[here])
     return np.concatenate(rows), np.concatenate(columns)
+
+
+def open_counts(bits: UInt8[np.ndarray, "R8 T"], side: int) -> Int[np.ndarray, "B B"]:
+    """How many pairs of each block of ``side`` × ``side`` are open."""
+    count = bits.shape[1] // side
+    ones = np.bitwise_count(bits).reshape(count, side // TOGETHER, count, side)
+    return ones.sum(axis=(1, 3), dtype=np.int64)
+
+
+def upper_half(bits: UInt8[np.ndarray, "R8 T"]) -> UInt8[np.ndarray, "R8 T"]:
+    """Of pairs of a tile with itself those whose row is no later than their column."""
+    rows = np.arange(bits.shape[0])[:, None] * TOGETHER
+    columns = np.arange(bits.shape[1])[None, :]
+    kept = np.clip(columns - rows + 1, 0, TOGETHER)  # rows of a number up to the column
+    return bits & ((1 << kept) - 1).astype(np.uint8)

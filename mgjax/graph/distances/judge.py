@@ -80,32 +80,22 @@ def undecided(
 
 def lowest(
     squared: Float[np.ndarray, "K S S"],
+    some: Bool[np.ndarray, "K B B"],
     reach: int,
     slack: float,
-    below: Float[np.ndarray, " K"],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, Doubts]:
     """Pairs of some blocks that may be lowest in their neighbourhood.
 
-    Few are left after two neighbours, so those are looked at one by one.
-
     Args:
         squared: D² of blocks with margins of ``reach`` pairs, m².
+        some: which pairs, without the margins, are looked at.
         reach: pairs on each side that a minimum is compared with.
         slack: by how much D² may be wrong, m².
-        below: of each block, m²: others than those below are not looked for.
 
     Returns:
         Block, row and column (margins counted) of each, [M], and the doubts.
     """
     side = squared.shape[-1]
-
-    def moved(i: int, j: int) -> np.ndarray:
-        return squared[:, reach + i : side - reach + i, reach + j : side - reach + j]
-
-    low = moved(0, 0) - np.float32(2 * slack)
-    some = low + np.float32(slack) < below.astype(np.float32)[:, None, None]
-    for step in ((1, -1), (-1, 1)):
-        some &= low <= moved(*step)
     block, row, column = np.unravel_index(np.flatnonzero(some), some.shape)
     flat = squared.reshape(-1)
     place = (block * side + row + reach) * side + column + reach

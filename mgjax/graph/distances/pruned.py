@@ -13,11 +13,11 @@ from functools import lru_cache, partial
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, UInt8
 
 from mgjax.core.parallel.run import run_all
 from mgjax.graph.distances.axis import Axis
-from mgjax.graph.distances.bounds import open_pairs, open_places
+from mgjax.graph.distances.bounds import open_pairs, upper_half
 from mgjax.graph.distances.components import Components, principal
 from mgjax.graph.distances.judge import SLACK
 from mgjax.graph.distances.tile import Tile
@@ -35,7 +35,7 @@ _TILES_KEPT = 2 * _SQUARE + 2
 _MANY = 1 / 64
 """Share of open pairs from which two tiles are searched near by first."""
 
-_NEAR = 1 / 8
+_NEAR = 1 / 4
 """Of the limit (m²): near by."""
 
 
@@ -132,11 +132,11 @@ class _Search:
         """Minima of two tiles, both ways round, below ``limits``; where many pairs are open below
         ``near`` only. And whether those are all."""
         tiles = self._tile(first), self._tile(second)
-        rows, columns, ends = self._open(*tiles, limits)
+        bits, ends = self._open(*tiles, limits)
         whole = True
-        if near is not None and len(rows) > _MANY * TILE**2:
+        if near is not None and np.bitwise_count(bits).sum() > _MANY * TILE**2:
             whole = False
-            rows, columns, ends = self._open(*tiles, np.minimum(limits, near))
+            bits, ends = self._open(*tiles, np.minimum(limits, near))
         pair = TilePair(
             axis=self._axis,
             first=tiles[0],
@@ -145,11 +145,11 @@ class _Search:
             limit=self._limit,
             slack=self._slack,
         )
-        return pair.minima(rows, columns), whole
+        return pair.minima(bits), whole
 
     def _open(
         self, first: Tile, second: Tile, limits: Float[np.ndarray, " F"]
-    ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
+    ) -> tuple[UInt8[np.ndarray, "R8 T"], tuple[np.ndarray, np.ndarray]]:
         """Pairs that bounds leave open, half of those of a tile with itself; and what the entries
         of both tiles have to be below."""
         ends = first.limits(limits), second.limits(limits)
@@ -157,8 +157,4 @@ class _Search:
         places = jnp.int32(first.number * TILE), jnp.int32(second.number * TILE)
         both = jnp.asarray(np.stack([each[inner] for each in ends]), jnp.float32)
         bits = np.asarray(open_pairs(self._bounds, *places, both, tile=TILE))
-        rows, columns = open_places(bits)
-        if first.number == second.number:
-            half = rows <= columns
-            rows, columns = rows[half], columns[half]
-        return rows, columns, ends
+        return upper_half(bits) if first.number == second.number else bits, ends

@@ -14,23 +14,24 @@ from typing import Literal
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, UInt8
 
 from mgjax.core.arrays import Array
 from mgjax.graph.distances.axis import Axis
+from mgjax.graph.distances.bounds import open_counts, open_places
 from mgjax.graph.distances.components import Parts, nearly
 from mgjax.graph.distances.distance import (
     WindowFeatures,
     block_distances,
     rows_of,
 )
-from mgjax.graph.distances.judge import Doubts, exchanged, lowest, settle, undecided
+from mgjax.graph.distances.judge import Doubts, exchanged, lowest, neighbours, settle, undecided
 from mgjax.graph.distances.tile import Tile
 
 BLOCK = 64
 """Side of the blocks all pairs of which are compared where many are open."""
 
-_FEW = 200
+_FEW = 150
 """Open pairs of a block up to which comparing them one by one takes less time."""
 
 _CHUNK = 64
@@ -49,25 +50,54 @@ def _block_distances(
     a: WindowFeatures,
     b: WindowFeatures,
     numbers: Int[Array, "2 N"],
+    below: tuple[Float[Array, " T"], Float[Array, " T"]],
+    slack: Float[Array, ""],
     count: Array,
     *,
     window: int,
     reach: int,
-) -> Float[Array, "N S S"]:
-    """D² of the first ``count`` blocks of pairs with their margins, m²; S = BLOCK + 2 reach.
+) -> tuple[Float[Array, "N S S"], Bool[Array, "N B B"]]:
+    """D² of the first ``count`` blocks of pairs with their margins, m², S = BLOCK + 2 reach; and
+    which pairs may be below a limit and no higher than those next to them.
 
-    ``numbers``: of the blocks, by rows and by columns.
+    Args:
+        a, b: the tiles.
+        numbers: of the blocks, by rows and by columns.
+        below: what the entries of both tiles have to be below, without the margins, m²; the larger
+            one holds.
+        slack: by how much D² may be wrong, m².
+        count: of blocks.
+        window: frames in a window.
+        reach: pairs on each side.
     """
     size = BLOCK + 2 * reach
 
-    def one(k: Array, out: Array) -> Array:
+    def measure(k: Array, out: Array) -> Array:
         rows = rows_of(a, numbers[0, k] * BLOCK, size, window)
         columns = rows_of(b, numbers[1, k] * BLOCK, size, window)
         squared = jnp.maximum(block_distances(rows, columns, window), 0.0)
         return jax.lax.dynamic_update_index_in_dim(out, squared, k, 0)
 
+    def choose(k: Array, out: Array) -> Array:
+        def moved(i: int, j: int) -> Array:
+            return squared[k, reach + i : size - reach + i, reach + j : size - reach + j]
+
+        rows, columns = (
+            jax.lax.dynamic_slice_in_dim(limits, place * BLOCK, BLOCK)
+            for limits, place in zip(below, numbers[:, k], strict=True)
+        )
+        low = moved(0, 0) - 2 * slack
+        some = low + slack < jnp.maximum(rows[:, None], columns[None, :])
+        for step in nearest:
+            some &= low <= moved(*step)
+        return jax.lax.dynamic_update_index_in_dim(out, some, k, 0)
+
+    # In two loops: one that carries both results copies them.
+    nearest = [step for step in neighbours(reach) if max(map(abs, step)) == 1]
     room = jnp.full((numbers.shape[1], size, size), _FAR, jnp.float32)
-    return jax.lax.fori_loop(0, count, one, room)
+    squared = jax.lax.fori_loop(0, count, measure, room)
+    room = jnp.zeros((numbers.shape[1], BLOCK, BLOCK), bool)
+    return squared, jax.lax.fori_loop(0, count, choose, room)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,25 +119,24 @@ class TilePair:
     limit: float
     slack: float
 
-    def minima(
-        self, rows: Int[np.ndarray, " N"], columns: Int[np.ndarray, " N"]
-    ) -> Float[np.ndarray, "3 M"]:
-        """Minima among open pairs of entries, margins not counted, both ways round.
+    def minima(self, bits: UInt8[np.ndarray, "R8 T"]) -> Float[np.ndarray, "3 M"]:
+        """Minima among the open pairs, both ways round.
 
-        Of a tile with itself only pairs are needed whose row is no later than their column.
+        Args:
+            bits: of the pairs of entries, margins not counted, as
+                :func:`mgjax.graph.distances.bounds.open_pairs` has them; of a tile with itself half
+                of them.
 
         Returns:
             Rows, columns and D², m².
         """
-        count = self.first.size // BLOCK
-        block = rows // BLOCK * count + columns // BLOCK
-        full = np.bincount(block, minlength=count * count) > _FEW
-        single = ~full[block]
+        full = open_counts(bits, BLOCK) > _FEW
+        rows, columns = open_places(np.where(_spread(full, bits.shape), np.uint8(0), bits))
         found = [np.zeros((3, 0))]
-        for way, some in self._ways(full.reshape(count, count)):
+        for way, some in self._ways(full):
             if some.any():
                 found += self._of_blocks(some, way)
-        for way, some in self._ways_of_pairs(rows[single], columns[single]):
+        for way, some in self._ways_of_pairs(rows, columns):
             if some.size:
                 found += self._of_pairs(some, way)
         return np.concatenate(found, axis=1)
@@ -148,25 +177,22 @@ class TilePair:
         blocks = np.stack(np.nonzero(chosen)).astype(np.int32)
         found: list[np.ndarray] = []
         a, b = self.first.features[turned], self.second.features[not turned]
-        highest = [
-            each[reach : reach + self.first.size].reshape(-1, BLOCK).max(axis=1)
-            for each in self.ends
-        ]
+        inner = slice(reach, reach + self.first.size)
+        below = tuple(jnp.asarray(each[inner], jnp.float32) for each in self.ends)
         for begin in range(0, blocks.shape[1], _CHUNK):
             part = blocks[:, begin : begin + _CHUNK]
             padded = np.pad(part, ((0, 0), (0, _CHUNK - part.shape[1])))
-            squared = _block_distances(
+            squared, some = _block_distances(
                 a,
                 b,
                 jnp.asarray(padded),
+                below,
+                jnp.float32(self.slack),
                 jnp.int32(part.shape[1]),
                 window=self.axis.window,
                 reach=reach,
             )
-            below = np.maximum(highest[0][part[0]], highest[1][part[1]])
-            block, r, c, doubts = lowest(
-                np.asarray(squared)[: part.shape[1]], reach, self.slack, below
-            )
+            block, r, c, doubts = lowest(np.asarray(squared), np.asarray(some), reach, self.slack)
             row = self._places[0] + part[0, block] * BLOCK + r
             column = self._places[1] + part[1, block] * BLOCK + c
             found += self._minima(row, column, doubts, way)
@@ -204,3 +230,9 @@ class TilePair:
         if way == "both":
             found.append(np.stack([columns, rows, squared])[:, lowest_[1]])
         return found
+
+
+def _spread(blocks: Bool[np.ndarray, "B B"], shape: tuple[int, ...]) -> Bool[np.ndarray, "R8 T"]:
+    """What holds of blocks, of each number of bits in them."""
+    rows, columns = (size // len(blocks) for size in shape)
+    return np.repeat(np.repeat(blocks, rows, axis=0), columns, axis=1)

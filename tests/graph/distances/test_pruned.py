@@ -168,6 +168,25 @@ def test_components_tell_how_wrong_they_are(count):
     assert 0 < error.max() < largest
 
 
+def test_open_pairs_by_hand():
+    """Bit k of a number is row k of eight."""
+    left = np.zeros((128, 128), bool)
+    left[[0, 3, 70, 9], [5, 2, 127, 9]] = True
+    bits = np.zeros((16, 128), np.uint8)
+    for row, column in np.argwhere(left):
+        bits[row // 8, column] |= 1 << row % 8
+    rows, columns = bounds.open_places(bits)
+    assert {*zip(rows.tolist(), columns.tolist(), strict=True)} == {
+        (0, 5),
+        (3, 2),
+        (70, 127),
+        (9, 9),
+    }
+    assert bounds.open_counts(bits, 64).tolist() == [[3, 0], [0, 1]]
+    found = np.stack(bounds.open_places(bounds.upper_half(bits)), axis=1).tolist()
+    assert sorted(found) == [[0, 5], [9, 9], [70, 127]]
+
+
 def test_components_by_hand():
     """Two windows of one frame: 3 and 4 m² in two directions, a quarter turn apart."""
     parts = components.Parts(
