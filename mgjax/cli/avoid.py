@@ -12,6 +12,7 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.json_file import load_attack
 from mgjax.avoidance.body.spheres import preset_spheres
+from mgjax.avoidance.choice.compile_ahead import compile_for
 from mgjax.avoidance.choice.selection import Selection, both_timings, select
 from mgjax.avoidance.config import AvoidanceConfig
 from mgjax.avoidance.index.files import FILE_NAME, load_index
@@ -48,6 +49,7 @@ def run(command: Avoid) -> None:
         node = int(np.random.default_rng(command.seed).integers(graph.num_nodes))
     attack = attack_of(command)
     with output_folder(command.out) as folder:
+        compile_for(graph, node, attack, config=config, index=index)
         selection = select(graph, node, attack, config=config, seed=command.seed, index=index)
         note = guard_of(graph).note if config.parry == "on" else None
         result = selection_json(graph, selection) | {"notes": [] if note is None else [note]}

@@ -9,6 +9,7 @@ from functools import partial
 
 import numpy as np
 
+from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.batch import (
     FRAME_BUCKET,
     SPHERE_BUCKET,
@@ -25,8 +26,10 @@ from mgjax.avoidance.candidates.batch import (
 )
 from mgjax.avoidance.checks.bounds import MORE_LANES
 from mgjax.avoidance.checks.fast import CHECK_FRAMES, Poses, nearest_of
+from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.search import bound, in_32_bits, search_one
 from mgjax.avoidance.config import AvoidanceConfig
+from mgjax.avoidance.index.protocol import CandidateIndex
 from mgjax.avoidance.parry.parry import compile_parrying
 from mgjax.avoidance.prepared import Prepared, prepared_for
 from mgjax.avoidance.rates import EXPORT_RATE
@@ -66,6 +69,27 @@ def warm_up(
     calls = programs(graph, config=config, horizon=horizon, spheres=spheres)
     compile_all(calls)
     return len(calls)
+
+
+def compile_for(
+    graph: MotionGraph | Prepared,
+    node: int,
+    attack: Attack,
+    *,
+    config: AvoidanceConfig | None = None,
+    index: CandidateIndex | None = None,
+) -> None:
+    """Prepares a graph and compiles what one attack needs, the search beside the feet, so that a
+    first answer comes sooner.
+
+    Args: those of :func:`mgjax.avoidance.select`, and its errors.
+    """
+    config = config or AvoidanceConfig()
+    search = partial(choose, graph, node, attack, config=config, index=index)
+    of = graph.graph if isinstance(graph, Prepared) else graph
+    frames = math.ceil(attack.end * EXPORT_RATE) + 1
+    feet = [] if legs_of(of) is None else _sizes(FRAMES, 8, frames)[-1:]
+    compile_all([search, *(partial(_keep_feet, of, size) for size in feet)])
 
 
 def compile_all(
