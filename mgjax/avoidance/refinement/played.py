@@ -31,13 +31,11 @@ class Refiner:
     """What changing motions of a graph takes.
 
     Attributes:
-        graph: the graph.
         rig: the channels of its body.
         spheres: of its body.
         plants: which foot of each leg of the rig stands in which frame of the graph. [F, L]
     """
 
-    graph: MotionGraph
     rig: Rig
     spheres: BodySpheres
     plants: Bool[np.ndarray, "F L"]
@@ -52,7 +50,7 @@ def _make(graph: MotionGraph) -> Refiner:
     spheres = preset_spheres(graph.skeleton)
     rig = make_rig(graph, spheres)
     plants = planted_frames(graph)[:, : len(rig.legs)]
-    return Refiner(graph=graph, rig=rig, spheres=spheres, plants=plants)
+    return Refiner(rig=rig, spheres=spheres, plants=plants)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -72,12 +72,11 @@ def attempts(
     begin: FeetState | None = None,
 ) -> list[Attempt]:
     """Walks as they are written, and how near an attack comes to each; see :func:`refine_walks`."""
-    refiner, until = refiner_of(prepared.graph), last_moment(attack, config)
-    times = written_frames(attack)
+    until, times = last_moment(attack, config), written_frames(attack)
     found: list[Attempt] = []
     for walk in walks:
         motion = played(prepared.graph, walk, until, begin=begin)
-        least = _clearance(refiner, motion.motion(times), attack, float(times[0]))
+        least = _clearance(motion, motion.motion(times), attack, float(times[0]))
         found.append(Attempt(played=motion, clearance=least))
     return found
 
@@ -186,7 +185,7 @@ def checked(
         return None
     times = written_frames(attack)
     poses = with_rows(motion.motion(times), times, after, start)
-    least = _clearance(refiner, poses, attack, float(times[0]))
+    least = _clearance(motion, poses, attack, float(times[0]))
     if least < ENOUGH_M * graph.body_scale or too_deep(rig, were, places, graph.body_scale):
         return None
     some = np.flatnonzero((moved > 1e-5) | (turned > 1e-3))
@@ -274,13 +273,14 @@ def clearance_at(
     poses = motion.motion(times)
     if values is not None:
         poses = change_motion(refiner.rig, poses, times, values, start)
-    return _clearance(refiner, poses, attack, float(times[0]))
+    return _clearance(motion, poses, attack, float(times[0]))
 
 
-def _clearance(refiner: Refiner, poses: Motion, attack: Attack, begins: float) -> float:
-    """The exact check of poses from a moment on, m."""
-    trace = sphere_trajectory(refiner.graph, refiner.spheres, poses)
-    return clearance(shifted(attack, begins), trace, refiner.spheres.radii)[1]
+def _clearance(motion: Played, poses: Motion, attack: Attack, begins: float) -> float:
+    """The exact check of poses of a walk from a moment on, m."""
+    spheres = refiner_of(motion.graph).spheres
+    trace = sphere_trajectory(motion.graph, spheres, poses)
+    return clearance(shifted(attack, begins), trace, spheres.radii)[1]
 
 
 def refined_clearance(
