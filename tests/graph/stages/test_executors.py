@@ -68,7 +68,7 @@ from mgjax.graph.distances import pruned
 from mgjax.graph.files import save_graph
 from mgjax.graph.stages.stages import Stages
 
-opened, used = pruned.open_blocks, set()
+opened, used = pruned.open_pairs, set()
 
 
 def watched(rows, *rest, **more):
@@ -77,7 +77,7 @@ def watched(rows, *rest, **more):
     return found
 
 
-pruned.open_blocks = watched
+pruned.open_pairs = watched
 clips, labels = made_clips()
 with executor("devices", device="cpu") as pool:
     graph = build_graph(clips, labels=labels, stages=Stages(executor=pool, entries=200))
