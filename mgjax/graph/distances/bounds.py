@@ -27,8 +27,8 @@ TOGETHER = 8
 
 _CLEAR = 1e-5
 """m². Added to the limit for the rounding of the bound itself."""
-_NEVER = 1e6
-"""m². Squared length of what is no window: it is near nothing."""
+FAR = 1e6
+"""m². Squared length of what may not be used: it is near nothing."""
 
 
 def bound_rows(parts: Parts, used: Bool[np.ndarray, " N"]) -> Float[np.ndarray, "C N"]:
@@ -38,7 +38,7 @@ def bound_rows(parts: Parts, used: Bool[np.ndarray, " N"]) -> Float[np.ndarray, 
     left = [np.abs(parts.flat[:, FLAT:]), parts.rise[:, RISE:]]
     beyond = np.stack([np.vecdot(each, each) for each in left], axis=1)
     rest = np.sqrt(parts.rest**2 + beyond)
-    spread = np.where(used, parts.spread, np.float32(_NEVER))[:, None]
+    spread = np.where(used, parts.spread, np.float32(FAR))[:, None]
     return np.concatenate([np.real(flat), np.imag(flat), rise, rest, spread], axis=1).T
 
 

@@ -13,12 +13,9 @@ from jaxtyping import Bool, Float
 from numpy.lib.stride_tricks import sliding_window_view
 
 from mgjax.graph.distances.axis import Axis
-from mgjax.graph.distances.bounds import bound_rows
+from mgjax.graph.distances.bounds import FAR, bound_rows
 from mgjax.graph.distances.components import Components, Parts, parts_of
 from mgjax.graph.distances.distance import WindowFeatures
-
-_FAR = 1e6
-"""m². Squared length of what may not be used: it is near nothing."""
 
 Described = TypeVar("Described", WindowFeatures, Parts)
 
@@ -99,7 +96,7 @@ class Tile:
         """``plain`` as rows and as columns."""
         where = jnp.where if isinstance(plain.spread, jax.Array) else np.where
         rows, columns = (
-            replace(plain, spread=where(mask, plain.spread, np.float32(_FAR)))
+            replace(plain, spread=where(mask, plain.spread, np.float32(FAR)))
             for mask in self._allowed
         )
         return rows, columns

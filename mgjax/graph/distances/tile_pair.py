@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float, Int, UInt8
 
 from mgjax.core.arrays import Array
 from mgjax.graph.distances.axis import Axis
-from mgjax.graph.distances.bounds import open_counts, open_places
+from mgjax.graph.distances.bounds import FAR, open_counts, open_places
 from mgjax.graph.distances.components import Parts, nearly
 from mgjax.graph.distances.distance import (
     WindowFeatures,
@@ -36,9 +36,6 @@ _FEW = 150
 
 _CHUNK = 64
 """Most blocks that one call compares."""
-
-_FAR = 1e6
-"""m². Squared distance of what is not compared."""
 
 Way = Literal["straight", "turned", "both"]
 """Pairs with the first tile as rows, with the second as rows, or both at once, which do not differ
@@ -94,7 +91,7 @@ def _block_distances(
 
     # In two loops: one that carries both results copies them.
     nearest = [step for step in neighbours(reach) if max(map(abs, step)) == 1]
-    room = jnp.full((numbers.shape[1], size, size), _FAR, jnp.float32)
+    room = jnp.full((numbers.shape[1], size, size), FAR, jnp.float32)
     squared = jax.lax.fori_loop(0, count, measure, room)
     room = jnp.zeros((numbers.shape[1], BLOCK, BLOCK), bool)
     return squared, jax.lax.fori_loop(0, count, choose, room)
