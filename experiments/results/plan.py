@@ -49,6 +49,7 @@ PLAN = (
     Planned(experiment="benchmarks/grid_index", clips=AVOIDANCE),
     Planned(experiment="benchmarks/random_attacks", settings=("attacks=2000",)),
     Planned(experiment="benchmarks/planner", clips=AVOIDANCE, settings=("minutes=3",)),
+    Planned(experiment="benchmarks/peers"),
     Planned(experiment="hybrid/build", clips=WALKS),
     Planned(experiment="hybrid/follow", clips=WALKS),
     Planned(experiment="hybrid/reach", clips=WALKS),

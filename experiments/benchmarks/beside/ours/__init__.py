@@ -1,0 +1,1 @@
+"""The work of comparisons, and mgjax's half of each."""
