@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import jax
 
+from mgjax.avoidance.body.chord_error import chord_errors
 from mgjax.avoidance.body.device_tables import DeviceTables, device_tables
 from mgjax.avoidance.body.edge_tables import EdgeTables, edge_tables
 from mgjax.avoidance.body.poses import GraphPoses, PosedGraph, body_reach, graph_poses
+from mgjax.avoidance.body.spheres import preset_spheres
 from mgjax.avoidance.config import AvoidanceConfig, SpeedConfig, for_body, validate_config
 from mgjax.avoidance.culling.pictures import Slices, build_slices
 from mgjax.avoidance.index.index import GridIndex
@@ -105,16 +108,20 @@ class _Made:
 
 
 def _make(graph: MotionGraph, config: AvoidanceConfig) -> _Made:
-    tables = edge_tables(graph, config.body_rate)
     if not graph.label_kind:
         raise GraphError(
             got="a graph without avoidance parts",
             expected="labelled clips: build_graph(clips, labels=…)",
         )
-    poses = graph_poses(graph, tables.spheres)
-    reach = body_reach(graph.skeleton, tables.spheres)
+    spheres = preset_spheres(graph.skeleton)
+    poses = graph_poses(graph, spheres)
+    reach = body_reach(graph.skeleton, spheres)
     posed = PosedGraph(graph=graph, poses=poses, reach=reach)
-    device = device_tables(posed, tables, for_body(config, graph.body_scale).speed)
+    with ThreadPoolExecutor(1) as beside:  # compiled code, which leaves Python to the tables
+        errors = beside.submit(chord_errors, posed, config.body_rate)
+        tables = edge_tables(graph, config.body_rate)
+        speed = for_body(config, graph.body_scale).speed
+        device = device_tables(graph, tables, speed, *errors.result())
     return _Made(tables=tables, device=device, poses=poses, reach=reach)
 
 

@@ -15,6 +15,8 @@ from mgjax.core.skeleton import Skeleton
 
 NO_CLIP = -1
 """In ``edge_clip``: the edge is a transition."""
+_LOT = 1024
+"""Frames that forward kinematics takes at a time: so many fit into caches."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -95,7 +97,13 @@ class MotionGraph:
     @cached_property
     def positions(self) -> Float[np.ndarray, "F J 3"]:
         """Joint positions of all frames, in the coordinates of their clips, m."""
-        return np.asarray(forward(self.skeleton, self.root_translation, self.local_rotations)[0])
+        kind = np.result_type(self.root_translation, self.local_rotations, self.skeleton.offsets)
+        places = np.empty((*self.local_rotations.shape[:2], 3), kind)
+        for first in range(0, len(places), _LOT):
+            lot = slice(first, first + _LOT)
+            poses = self.root_translation[lot], self.local_rotations[lot]
+            places[lot] = forward(self.skeleton, *poses)[0]
+        return places
 
     @cached_property
     def body_scale(self) -> float:

@@ -13,9 +13,12 @@ import numpy as np
 from jax import lax
 from jaxtyping import Float, Int
 
+from mgjax.avoidance.body.edge_tables import edge_steps
 from mgjax.avoidance.body.poses import GraphPoses, PosedGraph, placed_poses, sphere_places
 from mgjax.core import quaternion
 from mgjax.core.arrays import Array
+from mgjax.core.csr import expand_rows
+from mgjax.core.xla.exported import exported
 from mgjax.core.xla.padding import pad_axis
 
 FRAME_TILE = 256
@@ -23,6 +26,20 @@ FRAME_TILE = 256
 _SHARES = (0.25, 0.5, 0.75)
 _SAFETY, _ROUNDING_M = 1.1, 2e-5
 """The largest of three samples is short of the maximum of the arc by a few per cent."""
+
+
+def chord_errors(
+    posed: PosedGraph, body_rate: float
+) -> tuple[Float[np.ndarray, " F"], Float[np.ndarray, " Q"]]:
+    """Those of all frames and of all seams, m: of each edge, in order, with all that follow it.
+
+    Infinite where the body is not sampled at every frame, so that the search knows nothing.
+    """
+    graph = posed.graph
+    edges, item = expand_rows(graph.out_first, graph.edge_target)
+    if not np.array_equal(edge_steps(graph, body_rate), graph.edge_frames):
+        return np.full(len(graph.root_translation), np.inf), np.full(len(edges), np.inf)
+    return frame_chord_errors(posed), seam_chord_errors(posed, edges, graph.out_edges[item])
 
 
 def frame_chord_errors(posed: PosedGraph) -> Float[np.ndarray, " F"]:
@@ -64,6 +81,7 @@ def _chord_errors(
 
 
 @jax.jit
+@exported()
 def _tile_errors(
     poses: GraphPoses, low: Int[Array, " N"], high: Int[Array, " N"], place: Float[Array, "N 3"]
 ) -> Float[Array, " N"]:

@@ -10,13 +10,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from mgjax.avoidance.body.chord_error import frame_chord_errors, seam_chord_errors
 from mgjax.avoidance.body.edge_tables import EdgeTables, speed_classes
-from mgjax.avoidance.body.poses import PosedGraph
 from mgjax.avoidance.config import SpeedConfig
 from mgjax.core import planar
 from mgjax.core.arrays import Array
-from mgjax.core.csr import expand_rows
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register
 from mgjax.graph.types import MotionGraph
@@ -124,9 +121,21 @@ class DeviceTables:
         return self.numbers[2]
 
 
-def device_tables(posed: PosedGraph, tables: EdgeTables, speed: SpeedConfig) -> DeviceTables:
-    """Puts the tables of a graph into jax arrays, padded so that few graphs compile anew."""
-    graph = posed.graph
+def device_tables(
+    graph: MotionGraph,
+    tables: EdgeTables,
+    speed: SpeedConfig,
+    frame_errors: Float[np.ndarray, " F"],
+    seam_errors: Float[np.ndarray, " Q"],
+) -> DeviceTables:
+    """Puts the tables of a graph into jax arrays, padded so that few graphs compile anew.
+
+    Args:
+        graph: the motion graph.
+        tables: of it.
+        speed: which edges may change their speed.
+        frame_errors, seam_errors: of :func:`~mgjax.avoidance.body.chord_error.chord_errors`, m.
+    """
     slow_down, speed_up = speed_classes(tables.top_speed, speed)
 
     def padded(x: np.ndarray, kind: type, least: int) -> jax.Array:
@@ -136,7 +145,7 @@ def device_tables(posed: PosedGraph, tables: EdgeTables, speed: SpeedConfig) -> 
     width = -(-spheres // SPHERE_LANES) * SPHERE_LANES
     radii = np.full(width, NOT_THERE_M)
     radii[:spheres] = tables.spheres.radii
-    chord_errors, seam_errors = _all_chord_errors(posed, tables)
+    chord_errors = frame_errors[_rows(graph, tables)[1].astype(np.int64)]
     root = _roots(graph, tables)
     marks = (slow_down, speed_up, tables.pool_first, tables.pool_steps)
     edge_rows = np.column_stack((tables.seconds, tables.step, *marks))
@@ -187,18 +196,6 @@ def _top_root_speed(tables: EdgeTables, root: Float[np.ndarray, "P 3"]) -> float
     rate = (tables.pool_steps / tables.seconds)[edge[1:]]
     within = edge[1:] == edge[:-1]
     return float((np.linalg.norm(np.diff(root, axis=0), axis=1) * rate)[within].max(initial=0.0))
-
-
-def _all_chord_errors(posed: PosedGraph, tables: EdgeTables) -> tuple[np.ndarray, np.ndarray]:
-    """Chord errors of the rows of the pool, and of all seams."""
-    graph = posed.graph
-    edges, item = expand_rows(graph.out_first, graph.edge_target)
-    following = graph.out_edges[item]
-    if not np.array_equal(tables.pool_steps, graph.edge_frames):
-        return np.full(len(tables.pool), np.inf), np.full(len(edges), np.inf)
-    _, frame = _rows(graph, tables)
-    within = frame_chord_errors(posed)[frame.astype(np.int64)]
-    return within, seam_chord_errors(posed, edges, following)
 
 
 def _followers(graph: MotionGraph) -> Int[np.ndarray, "FOLLOWING E"]:

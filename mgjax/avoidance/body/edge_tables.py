@@ -16,6 +16,8 @@ from mgjax.graph.parts.connectivity import nearest_part
 from mgjax.graph.types import MotionGraph
 
 END_EFFECTORS = ("left_wrist", "right_wrist", "left_ankle", "right_ankle")
+_LOT = 2048
+"""Rows of the pool that are made at a time: so many fit into caches."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,7 +64,7 @@ def edge_tables(graph: MotionGraph, body_rate: float) -> EdgeTables:
     spheres = preset_spheres(graph.skeleton)
     positions = graph.positions
     seconds = graph.edge_frames / graph.frame_rate
-    steps = np.maximum(np.ceil(seconds * body_rate - 1e-6).astype(np.int64), 1)
+    steps = edge_steps(graph, body_rate)
     first = np.concatenate([[0], np.cumsum(steps + 1)])[:-1]
     rows = np.arange(int((steps + 1).sum()))
     edge = np.repeat(np.arange(graph.num_edges), steps + 1)
@@ -96,6 +98,12 @@ def edge_tables(graph: MotionGraph, body_rate: float) -> EdgeTables:
     )
 
 
+def edge_steps(graph: MotionGraph, body_rate: float) -> Int[np.ndarray, " E"]:
+    """Intervals of each edge between samples of the body, ``body_rate`` a second."""
+    seconds = graph.edge_frames / graph.frame_rate
+    return np.maximum(np.ceil(seconds * body_rate - 1e-6).astype(np.int64), 1)
+
+
 def of_size(tables: EdgeTables, factor: float) -> EdgeTables:
     """The tables of a body and its motion so many times as large."""
     if factor == 1:
@@ -123,13 +131,16 @@ def _sample_spheres(
     frame: np.ndarray,
 ) -> np.ndarray:
     """[P, 3·S] sphere centres at fractional frames, in the frames of the edges' source nodes."""
-    centres = np.asarray(sphere_centres(spheres, positions))
     low = np.minimum(np.floor(frame + 1e-6).astype(np.int64), graph.edge_stops[edge] - 1)
     share = (frame - low)[:, None, None].astype(np.float32)
-    mixed = centres[low] * (1 - share) + centres[low + 1] * share
-    plane = graph.node_plane[graph.edge_source[edge]]
-    local = np.asarray(planar.apply(np.asarray(planar.inverse(plane))[:, None], mixed))
-    return np.ascontiguousarray(np.moveaxis(local, -1, 1)).reshape(len(edge), -1).astype(np.float32)
+    plane = np.asarray(planar.inverse(graph.node_plane[graph.edge_source[edge]]))[:, None]
+    pool = np.empty((len(edge), 3, len(spheres.radii)), np.float32)
+    for first in range(0, len(edge), _LOT):
+        lot = slice(first, first + _LOT)
+        before, after = (sphere_centres(spheres, positions[low[lot] + k]) for k in (0, 1))
+        mixed = before * (1 - share[lot]) + after * share[lot]
+        pool[lot] = np.moveaxis(np.asarray(planar.apply(plane[lot], mixed)), -1, 1)
+    return pool.reshape(len(edge), -1)
 
 
 def _farthest(pool: np.ndarray, spheres: BodySpheres) -> float:

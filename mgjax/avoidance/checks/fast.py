@@ -20,6 +20,7 @@ from mgjax.avoidance.body.poses import GraphPoses, PosedGraph, placed_poses, sph
 from mgjax.avoidance.rates import CHECK_RATE, FAR
 from mgjax.core import planar, quaternion
 from mgjax.core.arrays import Array
+from mgjax.core.xla.exported import exported
 from mgjax.core.xla.padding import bucket_size, pad_axis
 from mgjax.core.xla.pytree import register
 from mgjax.graph.types import MotionGraph
@@ -43,6 +44,7 @@ CHECK_FRAMES = 64
 
 
 @jax.jit
+@exported()
 def nearest_of(
     graph_poses: GraphPoses,
     poses: Poses,

@@ -21,6 +21,7 @@ from mgjax.avoidance.energy.promise import judge_promising
 from mgjax.avoidance.energy.score import ROWS, stacked
 from mgjax.avoidance.timing.time_scale import OK
 from mgjax.core.arrays import Array
+from mgjax.core.xla.exported import exported
 from mgjax.core.xla.pytree import register
 
 HOPELESS_M = 0.02
@@ -149,9 +150,9 @@ def search_several(
 
 
 _STATIC = ("frame_rate", "limit_scale")
-search_one = jax.jit(search, static_argnames=_STATIC)
-search_many = jax.jit(search_several, static_argnames=_STATIC)
-bound = jax.jit(clearance_bounds, static_argnames="frame_rate")
+search_one = jax.jit(exported(*_STATIC)(search), static_argnames=_STATIC)
+search_many = jax.jit(exported(*_STATIC)(search_several), static_argnames=_STATIC)
+bound = jax.jit(exported("frame_rate")(clearance_bounds), static_argnames="frame_rate")
 
 
 def in_32_bits(config: EnergyConfig) -> EnergyConfig:

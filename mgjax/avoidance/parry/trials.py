@@ -21,6 +21,7 @@ from mgjax.core import quaternion
 from mgjax.core.arrays import Array
 from mgjax.core.body.capsules import segment_distance
 from mgjax.core.body.joint_limits import JointLimits
+from mgjax.core.xla.exported import exported
 from mgjax.core.xla.pytree import register
 
 COARSE_RATE = 60.0
@@ -133,7 +134,7 @@ def try_all(body: Body, trials: Trials) -> Tried:
     return Tried(turns=turns, effort=effort, good=good)
 
 
-try_jitted = jax.jit(try_all)
+try_jitted = jax.jit(exported()(try_all))
 
 
 def place_on(pose: ArmPose, place: Float[Array, "*b"]) -> Float[Array, "*b 3"]:

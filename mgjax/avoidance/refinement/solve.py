@@ -32,6 +32,7 @@ from mgjax.avoidance.refinement.nearest import is_least, nearest_intervals, swep
 from mgjax.avoidance.refinement.rig import Rig
 from mgjax.avoidance.refinement.slopes import Changed, changed_with_slopes
 from mgjax.core.arrays import Array
+from mgjax.core.xla.exported import exported
 from mgjax.core.xla.pytree import register
 
 ITERATIONS = 24
@@ -196,4 +197,4 @@ def solve(rig: Rig, problem: Problem) -> Solution:
     return Solution(coefficients=best.x * unit[None], clearance=best.clearance, before=before)
 
 
-solve_compiled = jax.jit(solve)
+solve_compiled = jax.jit(exported()(solve))

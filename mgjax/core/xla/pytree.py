@@ -13,6 +13,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import jax
+from jax import export
 
 T = TypeVar("T")
 
@@ -45,6 +46,13 @@ def register(*static: str) -> Callable[[type[T]], type[T]]:
             return obj
 
         jax.tree_util.register_pytree_with_keys(cls, flatten_with_keys, unflatten, flatten)
+        if not static and "<locals>" not in cls.__qualname__:
+            export.register_pytree_node_serialization(
+                cls,
+                serialized_name=f"{cls.__module__}.{cls.__qualname__}",
+                serialize_auxdata=lambda aux: b"",
+                deserialize_auxdata=lambda written: (),
+            )
         return cls
 
     return decorate

@@ -17,6 +17,7 @@ from mgjax.core.kinematics import forward
 from mgjax.core.motion import Motion
 from mgjax.core.shown import like
 from mgjax.core.skeleton import Skeleton
+from mgjax.core.xla.exported import exported
 from mgjax.core.xla.padding import bucket_size
 from mgjax.graph.cache import cached
 from mgjax.graph.feet.contacts import standing_points
@@ -223,6 +224,7 @@ def keep_feet(
 
 
 @partial(jax.jit, static_argnames="chains")
+@exported("chains")
 def _kept(
     skeleton: Skeleton,
     root: Float[jax.Array, "T 3"],
@@ -268,6 +270,7 @@ def _kept(
 
 
 @partial(jax.jit, static_argnames="chains")
+@exported("chains")
 def _put(
     skeleton: Skeleton,
     root: Float[jax.Array, "T 3"],

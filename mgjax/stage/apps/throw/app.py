@@ -21,7 +21,9 @@ from mgjax.stage.serve.session import Progress, Send
 from mgjax.stage.show.body import body_of
 
 _SOON = 0.6
-"""Share of the programs that are compiled before the page is ready; the others follow at once."""
+"""Share of the programs that are compiled before the page is ready."""
+_PATIENT_S = 3.0
+"""The page waits so long for the others, s: they were compiled before, or they take far longer."""
 
 
 def make_app(options: Options) -> ThrowApp:
@@ -52,8 +54,6 @@ class ThrowApp:
             calls[:soon],
             lambda done: progress(0.35 + 0.55 * done / soon, f"compiled {done} of {soon}"),
         )
-        progress(0.92, "a first throw")
-        warm_session(prepared)
 
         def later() -> None:
             with waiting_collector():
@@ -62,7 +62,12 @@ class ThrowApp:
                         return
                     call()
 
-        threading.Thread(target=later, daemon=True, name="mgjax-compile").start()
+        compiling = threading.Thread(target=later, daemon=True, name="mgjax-compile")
+        compiling.start()
+        progress(0.9, "programs that few throws need")
+        compiling.join(_PATIENT_S)
+        progress(0.95, "a first throw")
+        warm_session(prepared)
 
     def open(self, send: Send) -> ThrowSession:
         assert self._prepared is not None
