@@ -1,14 +1,29 @@
-"""The collector of garbage, held off the picture: a full run stops all for a third of a second.
+"""Memory of the process that computes: the collector of garbage held off the picture, and what is
+free given back.
 
-jax leaves millions of objects behind when it traces and compiles. Those that are there for good are
+A full run of the collector stops all for a third of a second. jax leaves millions of objects behind when it traces and compiles. Those that are there for good are
 frozen: the collector does not look at them again.
 """
 
 from __future__ import annotations
 
+import ctypes
 import gc
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+
+def give_back() -> None:
+    """Returns memory that is free to the system, where the C library keeps it (glibc).
+
+    Searches in threads of their own leave some 200 MB of holes behind within minutes. It takes
+    about 10 ms for those, less than one right after the last time.
+    """
+    if sys.platform == "linux":
+        trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+        if trim is not None:
+            trim(0)
 
 
 def freeze() -> None:

@@ -12,6 +12,7 @@ import queue
 import signal
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Iterator
 from io import BufferedIOBase
@@ -19,13 +20,15 @@ from typing import Any
 
 from mgjax.core.errors import MgjaxError
 from mgjax.stage.packet import pack
-from mgjax.stage.serve.collector import freeze
+from mgjax.stage.serve.collector import freeze, give_back
 from mgjax.stage.serve.film import Film
 from mgjax.stage.serve.options import from_text
 from mgjax.stage.serve.session import App, Message, Session
 from mgjax.stage.serve.wire import ALL, Kind, frame, read_frame
 
 TICK_S = 1 / 60
+_GIVE_BACK_S = 10.0
+"""How often free memory goes back to the system."""
 _SWITCH_S = 0.001
 """How soon another thread gets its turn: a search in the background must not hold up a frame."""
 
@@ -41,6 +44,7 @@ class Worker:
         self._sessions: dict[int, Session] = {}
         self._films: dict[int, Film] = {}
         self._ended = False
+        self._given_back = time.monotonic()
 
     def run(self) -> None:
         """Prepares the application and serves its tabs until the input ends."""
@@ -92,6 +96,9 @@ class Worker:
             self._handle(tab, kind, payload)
         for tab, session in list(self._sessions.items()):
             self._guarded(tab, session.tick)
+        if time.monotonic() >= self._given_back + _GIVE_BACK_S:
+            give_back()
+            self._given_back = time.monotonic()
         return not self._ended
 
     def _waiting(self) -> Iterator[tuple[int, Kind, bytes]]:

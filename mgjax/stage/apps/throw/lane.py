@@ -188,7 +188,8 @@ class Lane:
         ]
         if not open_throws:
             return
-        times = np.concatenate([[max(times[0] - 1 / RATE, 0.0)], times])
+        if times[0] > 0:
+            times = np.concatenate([[max(times[0] - 1 / RATE, 0.0)], times])
         centres = self._spheres(self.planner.timeline.sample(times))
         for throw in open_throws:
             contact = first_contact(throw.attack, self.prepared.tables.spheres, times, centres)

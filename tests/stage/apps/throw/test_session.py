@@ -55,6 +55,14 @@ def test_a_throw_is_answered_in_words(open_tab):
         pack(message)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_ball_may_be_thrown_in_the_first_moment(open_tab):
+    tab = open_tab()
+    tab.throw()
+    tab.play(3.0)
+    assert len(tab.notes("answer")) == 1
+
+
 def test_no_claim_of_avoidance_is_false(open_tab, prepared):
     tab = open_tab(1)
     spheres, graph = prepared.tables.spheres, prepared.graph
