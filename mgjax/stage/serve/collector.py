@@ -1,8 +1,8 @@
-"""Memory of the process that computes: the collector of garbage held off the picture, and what is
-free given back.
+"""Memory of the process that computes: garbage collected off the picture, free memory given back.
 
-A full run of the collector stops all for a third of a second. jax leaves millions of objects behind when it traces and compiles. Those that are there for good are
-frozen: the collector does not look at them again.
+A full run of the collector stops all for a third of a second. jax leaves millions of objects behind
+when it traces and compiles. Those that are there for good are frozen: the collector does not look
+at them again.
 """
 
 from __future__ import annotations
