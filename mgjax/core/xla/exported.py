@@ -19,6 +19,7 @@ from typing import Any, TypeVar
 
 import jax
 from jax import export
+from jax.core import Tracer
 
 from mgjax.core.xla.compilation import cache_folder
 
@@ -44,6 +45,8 @@ def exported(*static: str) -> Callable[[F], F]:
     (:func:`~mgjax.core.xla.compilation.enable_cache`), or where jax computes on anything but a
     processor, the function is traced as it is.
 
+    Under ``jax.disable_jit`` it is called as it is, too.
+
     The jitted function can be called from Python only: ``vmap``, ``grad`` and other programs take
     the undecorated one.
 
@@ -54,10 +57,10 @@ def exported(*static: str) -> Callable[[F], F]:
     def decorate(function: F) -> F:
         @wraps(function)
         def traced(*args: Any, **named: Any) -> Any:
-            if not _keeps():
-                return function(*args, **named)
             fixed = {name: named.pop(name) for name in static if name in named}
             leaves, tree = jax.tree.flatten((args, named))
+            if not _keeps() or not all(isinstance(x, Tracer) for x in leaves):
+                return function(*args, **named, **fixed)
             shapes = [jax.ShapeDtypeStruct(x.shape, x.dtype, weak_type=_weak(x)) for x in leaves]
             path = (
                 _folder(cache_folder() / "programs")

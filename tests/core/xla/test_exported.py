@@ -94,6 +94,13 @@ def test_nothing_is_kept_without_a_cache(empty: Path) -> None:
     assert not (empty / "programs").exists()
 
 
+def test_without_jit_it_is_the_function_itself(empty: Path) -> None:
+    with jax.disable_jit():
+        np.testing.assert_allclose(fresh(np.ones(2, np.float32), 3.0, 2).total, 6.0)
+    assert TRACED == ["2 (2,)"]
+    assert not (empty / "programs").exists()
+
+
 def test_a_cache_that_cannot_be_written_is_left_alone(
     empty: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
