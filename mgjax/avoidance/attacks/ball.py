@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float
-from scipy.optimize import minimize_scalar, root_scalar
 
 from mgjax.avoidance.attacks.attack import MAX_SECONDS, Attack
 from mgjax.avoidance.config import BALL_RADIUS_M
@@ -193,6 +192,8 @@ def _dragged_flight(way: np.ndarray, speed: float, pull: np.ndarray, drag: float
         coast, fall = _factors_at(float(np.exp(log_t)), drag)
         return float(np.linalg.norm(way - pull * fall) / coast)
 
+    from scipy.optimize import minimize_scalar  # imported in 0.25 s, which few balls are worth
+
     log_t = np.log(1e-6)
     while needed(log_t + 0.5) < needed(log_t):
         log_t += 0.5
@@ -212,6 +213,8 @@ def _dragged_flight(way: np.ndarray, speed: float, pull: np.ndarray, drag: float
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
     """Where a function that changes its sign between low and high is 0."""
+    from scipy.optimize import root_scalar
+
     return float(
         root_scalar(function, bracket=(low, high), method="brentq", xtol=1e-15, rtol=1e-15).root
     )
