@@ -1,9 +1,10 @@
-"""Half an hour of throwing, sketching and reloading: memory, answers, what went wrong.
+"""Half an hour with all four pages: memory, which controls were touched, what went wrong.
 
-Starts ``mgjax view throw`` and ``mgjax view sketch``, opens both pages in one Chromium and does at
-random what people do, each page half of the time. Memory counts the processes of both servers once
-a minute; both are put to much of their use before the first count. Run:
-``python -m experiments.benchmarks.soak --minutes 30``.
+Starts ``mgjax view`` with ``throw``, ``sketch``, ``match`` and ``edit`` (on a copy of some embedded
+clips), opens the pages in one Chromium and does at random what people do, on one page after the
+other; every third deed works a control of the page, the one that was touched least. Memory counts
+the processes of the servers once a minute; they are put to much of their use before the first
+count. Run: ``python -m experiments.benchmarks.soak --minutes 30``.
 """
 
 from __future__ import annotations
@@ -11,42 +12,138 @@ from __future__ import annotations
 import argparse
 import json
 import random
+import tempfile
 import time
 from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from experiments.benchmarks.stage import BODY, WATCH, Viewed, memory_mb
+from mgjax.clips.synthetic import synthetic_clips
+from mgjax.io.bvh.write import save_bvh
 
-WARM_S = 180.0
+WARM_S = 360.0
 """What is used for the first time in this time counts as warming up."""
+CLIPS = ("duck", "sway", "jump")
+"""Embedded clips that are edited."""
+OPEN = "document.querySelectorAll('#side details').forEach((each) => { each.open = true; })"
+CONTROLS = """() => {
+  const found = {};
+  for (const each of document.querySelectorAll('button, input, select')) {
+    const there = each.dataset.name && !each.disabled && each.getClientRects().length;
+    if (there && each.type !== 'file') {
+      found[each.dataset.name] = { tag: each.localName, type: each.type };
+    }
+  }
+  return found;
+}"""
+"""Controls that can be seen and are not disabled."""
+SLIDE = """(each, share) => {
+  const [low, high] = [Number(each.min), Number(each.max)];
+  each.value = low + share * (high - low);
+  each.dispatchEvent(new Event('input', { bubbles: true }));
+  each.dispatchEvent(new Event('change', { bubbles: true }));
+}"""
+CHOOSE = """(each, share) => {
+  each.selectedIndex = Math.floor(share * each.options.length);
+  each.dispatchEvent(new Event('change', { bubbles: true }));
+}"""
+PLAYERS = """() => {
+  const { stage } = mgjax;
+  const there = [...stage.scene.actors.values()].filter((each) => each.track.pieces.length);
+  return there.map((each) => {
+    const [x, , z] = each.track.smoothRoot(stage.time, 0.1);
+    return stage.project([x, 1.0, z]);
+  });
+}"""
 THINGS = ("right-hand", "left-hand", "head", "bar", "obstacle")
 WALKS = ("line", "s-curve", "circle", "square", "eight", "reaches")
 
 
-class Thrower:
-    """Someone who throws balls."""
+class Person:
+    """Someone who uses a page.
+
+    Args:
+        page: of an application.
+        rng: draws what is done.
+        done: counts it.
+    """
+
+    app = ""
 
     def __init__(self, page: Any, rng: random.Random, done: Counter[str]) -> None:
         self.page, self.rng, self.done = page, rng, done
-        page.wait_for_function(BODY, timeout=300_000)
-        page.evaluate(WATCH)
+        self.touched: Counter[str] = Counter()
+        self.seen: set[str] = set()
+        self.turn = 0
+        self.begin()
+
+    def begin(self) -> None:
+        """What there has to be on a page that was just opened."""
+
+    def deeds(self) -> dict[Callable[[], None], float]:
+        """What is done, and how often."""
+        raise NotImplementedError
 
     def act(self) -> None:
-        """One deed, most often a throw."""
-        deeds = {
+        """A control, or one of the deeds."""
+        self.turn += 1
+        deeds = self.deeds()
+        deed = self.rng.choices(list(deeds), list(deeds.values()))[0]
+        if self.turn % 3 == 0:
+            deed = self.touch
+        deed()
+        self.done[f"{self.app}: {deed.__name__}"] += 1
+        self.page.wait_for_timeout(self.rng.uniform(500, 1500))
+
+    def touch(self) -> None:
+        """The control that was touched least."""
+        self.page.evaluate(OPEN)
+        found = self.page.evaluate(CONTROLS)
+        self.seen.update(found)
+        least = min((self.touched[name] for name in found), default=0)
+        name = self.rng.choice(sorted(name for name in found if self.touched[name] == least))
+        kind = found[name]
+        self.touched[name] += 1
+        control = self.page.locator(f"[data-name='{name}']").first
+        if kind["tag"] == "select":
+            control.evaluate(CHOOSE, self.rng.random())
+        elif kind["type"] == "range":
+            control.evaluate(SLIDE, self.rng.random())
+        elif kind["type"] in ("text", "number"):
+            control.fill(self.rng.choice(["0.5", "1", "2"]), timeout=5000)
+        else:
+            control.evaluate("(each) => each.click()")
+
+    def reload(self) -> None:
+        """The page anew."""
+        self.page.reload()
+        self.page.wait_for_function("document.documentElement.dataset.ready")
+        self.begin()
+
+
+class Thrower(Person):
+    """Someone who throws balls."""
+
+    app = "throw"
+
+    def begin(self) -> None:
+        self.page.wait_for_function(BODY, timeout=300_000)
+        self.page.evaluate(WATCH)
+
+    def deeds(self) -> dict[Callable[[], None], float]:
+        return {
             self.throw: 12, self.slide: 2, self.orbit: 2, self.theme: 1, self.replay: 2,
             self.reload: 1,
         }  # fmt: skip
-        deed = self.rng.choices(list(deeds), list(deeds.values()))[0]
-        deed()
-        self.done[f"throw: {deed.__name__}"] += 1
 
     def throw(self) -> None:
         """A click on the body."""
+        self.live()
         place = self.page.evaluate(BODY)
         if place is not None:
             self.page.mouse.click(*place)
-        self.page.wait_for_timeout(self.rng.uniform(600, 2000))
 
     def slide(self) -> None:
         """Moves a slider."""
@@ -70,34 +167,26 @@ class Thrower:
         """The last throw again, for a moment, or its ghosts."""
         self.page.click(f"[data-name={self.rng.choice(['ghosts', 'replay'])}]")
         self.page.wait_for_timeout(1500)
+        self.live()
+
+    def live(self) -> None:
+        """Back to what is played now, in time as it is."""
         if not self.page.evaluate("mgjax.player.live"):
             self.page.click("[data-name=back-to-live]")
             self.page.wait_for_function("mgjax.player.live")
-
-    def reload(self) -> None:
-        """The page anew."""
-        self.page.reload()
-        self.page.wait_for_function("document.documentElement.dataset.ready")
-        self.page.wait_for_function(BODY)
-        self.page.evaluate(WATCH)
+        self.page.locator("[data-name=pace-1]").evaluate("(each) => each.click()")
 
 
-class Sketcher:
+class Sketcher(Person):
     """Someone who draws paths and puts things beside them."""
 
-    def __init__(self, page: Any, rng: random.Random, done: Counter[str]) -> None:
-        self.page, self.rng, self.done = page, rng, done
+    app = "sketch"
 
-    def act(self) -> None:
-        """One deed, most often a path."""
-        deeds = {
+    def deeds(self) -> dict[Callable[[], None], float]:
+        return {
             self.draw: 5, self.ready_made: 3, self.place: 5, self.undo: 2, self.clear: 1,
             self.reload: 1,
         }  # fmt: skip
-        deed = self.rng.choices(list(deeds), list(deeds.values()))[0]
-        deed()
-        self.done[f"sketch: {deed.__name__}"] += 1
-        self.page.wait_for_timeout(self.rng.uniform(800, 2500))
 
     def draw(self) -> None:
         """A drag on the floor."""
@@ -130,11 +219,6 @@ class Sketcher:
         """Everything away."""
         self._press("Clear")
 
-    def reload(self) -> None:
-        """The page anew."""
-        self.page.reload()
-        self.page.wait_for_function("document.documentElement.dataset.ready")
-
     def _press(self, label: str) -> None:
         button = self.page.get_by_role("button", name=label, exact=True)
         if button.is_enabled():
@@ -148,32 +232,97 @@ class Sketcher:
         return box["x"] + inside_x, box["y"] + inside_y
 
 
+class Player(Person):
+    """Someone who says where the ball goes."""
+
+    app = "match"
+
+    def deeds(self) -> dict[Callable[[], None], float]:
+        return {self.point: 8, self.orbit: 1, self.reload: 0.5}
+
+    def point(self) -> None:
+        """A click on a player."""
+        places = self.page.evaluate(PLAYERS)
+        if places:
+            self.page.mouse.click(*self.rng.choice(places))
+
+    def orbit(self) -> None:
+        """Looks from elsewhere."""
+        self.page.evaluate("mgjax.stage.camera.orbit(40, 0), mgjax.stage.wake()")
+
+
+class Editor(Person):
+    """Someone who labels clips."""
+
+    app = "edit"
+
+    def deeds(self) -> dict[Callable[[], None], float]:
+        return {self.open: 4, self.type: 3, self.reload: 0.3}
+
+    def open(self) -> None:
+        """A clip of the list, or another entry."""
+        entries = self.page.locator(".mg-entry")
+        if entries.count():
+            entries.nth(self.rng.randrange(entries.count())).click()
+
+    def type(self) -> None:
+        """Keys of the timeline."""
+        self.page.keyboard.press(self.rng.choice([" ", "ArrowRight", "ArrowLeft", "Control+z"]))
+
+
+def written(folder: Path) -> Path:
+    """Some embedded clips with their labels, as files."""
+    clips, labels = synthetic_clips()
+    document: dict[str, Any] = {"clips": {}}
+    for clip in clips:
+        if clip.name in CLIPS:
+            save_bvh(folder / f"{clip.name}.bvh", clip.skeleton, clip.motion)
+            document["clips"][f"{clip.name}.bvh"] = [
+                {"start_s": x.start_s, "end_s": x.end_s, "kind": x.kind} for x in labels[clip.name]
+            ]
+    (folder / "labels.json").write_text(json.dumps(document))
+    return folder
+
+
+PEOPLE: tuple[type[Person], ...] = (Thrower, Sketcher, Player, Editor)
+
+
 def run(minutes: float, seed: int) -> dict[str, Any]:
-    """Uses both pages for so long."""
+    """Uses all pages for so long."""
+    with tempfile.TemporaryDirectory() as folder:
+        clips = str(written(Path(folder)))
+        served = [
+            Viewed(person.app, *(("--clips", clips) if person is Editor else ()))
+            for person in PEOPLE
+        ]
+        return _used(served, minutes, seed)
+
+
+def _used(served: list[Viewed], minutes: float, seed: int) -> dict[str, Any]:
     from playwright.sync_api import sync_playwright
 
     from mgjax.stage.film import ARGUMENTS, find_browser
 
     rng, done, troubles = random.Random(seed), Counter[str](), list[str]()
-    served = [Viewed("throw"), Viewed("sketch")]
     memory: list[list[float]] = []
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
             executable_path=str(find_browser()), args=list(ARGUMENTS)
         )
         context = browser.new_context(viewport={"width": 960, "height": 540}, bypass_csp=True)
-        users: list[Thrower | Sketcher] = []
-        for viewed, user in zip(served, (Thrower, Sketcher), strict=True):
+        users: list[Person] = []
+        for viewed, user in zip(served, PEOPLE, strict=True):
             page = context.new_page()
             page.on("pageerror", lambda error: troubles.append(str(error)))
             page.on("console", lambda m: troubles.append(m.text) if m.type == "error" else None)
+            page.on("dialog", lambda dialog: dialog.accept())
             page.goto(viewed.address)
             page.wait_for_function("document.documentElement.dataset.ready", timeout=300_000)
             users.append(user(page, rng, done))
         begun = time.perf_counter()
         counted, turns = 0, 0
         while (now := time.perf_counter() - begun) < WARM_S + 60 * minutes:
-            user = users[turns // 8 % 2]  # eight deeds in a row on one page
+            user = users[turns // 8 % len(users)]  # eight deeds in a row on one page
             if turns % 8 == 0:
                 user.page.bring_to_front()
             user.act()
@@ -188,6 +337,8 @@ def run(minutes: float, seed: int) -> dict[str, Any]:
     return {
         "minutes": minutes,
         "deeds": dict(sorted(done.items())),
+        "touched": {user.app: dict(sorted(user.touched.items())) for user in users},
+        "untouched": {user.app: sorted(user.seen - set(user.touched)) for user in users},
         "memory_mb": memory,
         "memory_change": last / first - 1,
         "troubles": troubles,
