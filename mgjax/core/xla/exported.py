@@ -25,8 +25,8 @@ from mgjax.core.xla.compilation import cache_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_KEPT = 3
-"""Versions of the package whose programs stay; older ones are removed."""
+_KEPT = 8
+"""Versions of the package whose programs stay, those used last; each takes some 5 MB."""
 _DIGEST = hashlib.sha256().digest_size
 _SETTINGS = (
     "jax_enable_x64",
@@ -138,6 +138,7 @@ def _read(path: Path) -> export.Exported | None:
 def _write(path: Path, program: bytes) -> None:
     """Whole or not at all; a cache that cannot be written is left alone."""
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
             file.write(hashlib.sha256(program).digest() + program)
         os.replace(file.name, path)

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from mgjax.core.xla.exported import _folder, exported
+from mgjax.core.xla.exported import _KEPT, _folder, exported
 from mgjax.core.xla.pytree import register
 
 
@@ -111,9 +111,9 @@ def test_a_cache_that_cannot_be_written_is_left_alone(
 
 def test_old_versions_are_removed(empty: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     x = np.ones(2, np.float32)
-    for number in range(5):
+    for number in range(_KEPT + 2):
         monkeypatch.setattr("mgjax.core.xla.exported._source", lambda n=number: f"version{n}")
         _folder.cache_clear()
         fresh(x, 1.0, 2)
-    assert len(list((empty / "programs").iterdir())) == 3
-    assert (empty / "programs" / "version4").is_dir()
+    assert len(list((empty / "programs").iterdir())) == _KEPT
+    assert (empty / "programs" / f"version{_KEPT + 1}").is_dir()
