@@ -108,12 +108,12 @@ class _Made:
 
 
 def _make(graph: MotionGraph, config: AvoidanceConfig) -> _Made:
+    spheres = preset_spheres(graph.skeleton)
     if not graph.label_kind:
         raise GraphError(
             got="a graph without avoidance parts",
             expected="labelled clips: build_graph(clips, labels=…)",
         )
-    spheres = preset_spheres(graph.skeleton)
     poses = graph_poses(graph, spheres)
     reach = body_reach(graph.skeleton, spheres)
     posed = PosedGraph(graph=graph, poses=poses, reach=reach)
