@@ -261,7 +261,7 @@ class Editor(Person):
 
     def open(self) -> None:
         """A clip of the list, or another entry."""
-        entries = self.page.locator(".mg-entry")
+        entries = self.page.locator(".mg-entry:visible")
         if entries.count():
             entries.nth(self.rng.randrange(entries.count())).click()
 
