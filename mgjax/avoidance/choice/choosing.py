@@ -29,6 +29,7 @@ def choose(
     index: CandidateIndex | None = None,
     as_written: Callable[[Choice], float] | None = None,
     begin: FeetState | None = None,
+    wanted: Callable[[], bool] | None = None,
 ) -> Choice:
     """Chooses and time-scales the walk that avoids an attack with the least movement.
 
@@ -42,11 +43,13 @@ def choose(
     It judges captured motion, which the feet of a written one differ from by centimetres; with
     ``as_written``, the clearance of a choice as it would be written (m), a candidate has to be
     clear as that, too. ``begin`` is what the feet are off now, for refinement.
+    Once ``wanted`` says no, nothing more is refined: the answer is not waited for any longer.
     """
     prepared = prepared_for(graph, config, index)
     query = ask(prepared, node, attack, config, as_written, begin)
     if query is None:
         return _nothing(prepared, node, attack, config, seed)
+    query = replace(query, wanted=wanted)
     tried: set[bytes] = set()
     decision = _refined(query, _decided(query), tried)
     if not _avoids(decision) and can_widen(config):

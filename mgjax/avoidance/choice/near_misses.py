@@ -74,6 +74,8 @@ def _changed(query: Query, some: list[Miss]) -> list[_Found]:
     )
     found: list[_Found] = []
     for miss, walk, attempt in sorted(rows, key=lambda row: -row[2].clearance):
+        if query.wanted is not None and not query.wanted():
+            break
         late = FAR_OFF * abs(miss.shift)
         least = min((effort for effort, *_ in found), default=float("inf"))
         if (late - attempt.clearance) / max(config.refine_max_m, 1e-9) >= least:

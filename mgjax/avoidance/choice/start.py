@@ -35,6 +35,7 @@ class Query:
         as_written: the clearance of a choice as it would be written, feet kept, m. A candidate that
             is clear as captured and not as written is not taken. None: captured motion decides.
         begin: what the feet are off now; None: nothing.
+        wanted: whether the answer is still waited for; where it is not, refinement ends early.
     """
 
     prepared: Prepared
@@ -44,6 +45,7 @@ class Query:
     crop: Crop
     as_written: Callable[[Choice], float] | None = None
     begin: FeetState | None = None
+    wanted: Callable[[], bool] | None = None
 
     @property
     def until(self) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from threading import Event
 from typing import Literal
 
 import numpy as np
@@ -89,6 +90,21 @@ class Thrown:
     waited: float | None = None
     check: Ticket | None = field(default=None, repr=False)
     asked: Asked | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pending:
+    """A search under way: for which attack, since when, and whether its answer is waited for."""
+
+    thrown: Thrown
+    ticket: Ticket
+    begun: float
+    dropped: Event
+
+    def drop(self, now: float) -> None:
+        """Its answer is not waited for any longer."""
+        self.dropped.set()
+        self.ticket.cancel(now)
 
 
 def answer_of(thrown: Thrown, outcome: Outcome) -> Answer:

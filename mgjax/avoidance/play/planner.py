@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from functools import partial
+from threading import Event
 
 import numpy as np
 from jaxtyping import Float
@@ -13,7 +14,7 @@ from mgjax.avoidance.attacks.attack import Attack, validate_attack
 from mgjax.avoidance.attacks.transform import after, in_frame, shifted
 from mgjax.avoidance.choice.results import Status
 from mgjax.avoidance.config import AvoidanceConfig, validate_config
-from mgjax.avoidance.play.answers import Answer, Asked, Found, Thrown, answer_of
+from mgjax.avoidance.play.answers import Answer, Asked, Found, Pending, Thrown, answer_of
 from mgjax.avoidance.play.clocks import Clock, Searches, SimulatedClock, SimulatedSearches, Ticket
 from mgjax.avoidance.play.parried import outcome_of
 from mgjax.avoidance.play.several_attacks import JointPath, find_path
@@ -64,6 +65,8 @@ class Planner:
         node: where the body stands at the beginning; default: drawn.
         start: its planar frame in the world; default: at the origin, heading +Z.
         begin: the beginning, s on the clock.
+        grace: so much later :meth:`advance` decides an edge while a search is under way, s; for a
+            clock that is ahead of what is shown.
         on_found: told of every search that ends in time, from within :meth:`frame`,
             :meth:`advance` or :meth:`attack`.
     """
@@ -80,9 +83,10 @@ class Planner:
         node: int | None = None,
         start: Float[np.ndarray, "3"] | None = None,
         begin: float = 0.0,
+        grace: float = 0.0,
         on_found: Callable[[Found], None] | None = None,
     ) -> None:
-        self._on_found = on_found
+        self._on_found, self._grace = on_found, grace
         self._clock: Clock = clock or SimulatedClock()
         self._searches: Searches = searches or SimulatedSearches()
         self._config = config or AvoidanceConfig()
@@ -98,7 +102,7 @@ class Planner:
         self.attacks = 0
         self._plan: deque[tuple[int, float]] = deque()
         self._under_way: list[Thrown] = []
-        self._pending: tuple[Thrown, Ticket, float] | None = None
+        self._pending: Pending | None = None
         self._advance(begin)
 
     @checked
@@ -115,9 +119,9 @@ class Planner:
         """Decides all that has to be known by now.
 
         Returns:
-            Until when ``timeline`` is final, s; never earlier than now.
+            Until when ``timeline`` is final, s; never earlier than now, less ``grace``.
         """
-        self._advance(float(self._clock.now()))
+        self._advance(float(self._clock.now()), self._grace)
         return self.timeline.deadline
 
     @checked
@@ -150,9 +154,8 @@ class Planner:
         thrown = Thrown(number=self.attacks, known=now, attack=left)
         self.attacks += 1
         if self._pending is not None:
-            before, ticket, _ = self._pending
-            before.superseded = True
-            ticket.cancel(now)
+            self._pending.thrown.superseded = True
+            self._pending.drop(now)
         self._under_way.append(thrown)
         self._begin_search(thrown, now)
         self._advance(now)
@@ -183,22 +186,23 @@ class Planner:
         """Ends the searches; a call that is running is waited for."""
         self._searches.close()
 
-    def _advance(self, now: float) -> None:
+    def _advance(self, now: float, grace: float = 0.0) -> None:
         """All that happens up to ``now``, in its order: searches end, edges are decided."""
         while True:
             deadline = self.timeline.deadline
             if self._pending is not None:
-                thrown, ticket, _ = self._pending
-                if ticket.done(min(now, deadline)):
+                pending, latest = self._pending, min(now, deadline + grace)
+                if pending.ticket.done(latest):
                     self._pending = None  # also if the search raises: playback can go on
-                    self._accept(thrown, ticket.result(), min(now, deadline))
+                    self._accept(pending.thrown, pending.ticket.result(), latest)
                     continue
-            if deadline > now:
+            waits = grace if self._pending is not None else 0.0
+            if deadline + waits > now:
                 break
             self._decide()
             if self._pending is not None:
-                self._restart(deadline)
-        self._collect(now)
+                self._restart(deadline + waits)
+        self._collect(min(now, self.timeline.deadline))
 
     def _decide(self) -> None:
         """The next edge: from the path that is being played, else a random one."""
@@ -211,8 +215,8 @@ class Planner:
     def _restart(self, now: float) -> None:
         """An edge was decided before the search ended: it begins again from where that ends."""
         assert self._pending is not None
-        thrown, ticket, begun = self._pending
-        ticket.cancel(now)
+        thrown, begun = self._pending.thrown, self._pending.begun
+        self._pending.drop(now)
         thrown.restarts += 1
         until = min(now + 2 * (now - begun), thrown.attack.end)
         while self.timeline.deadline < until:
@@ -237,6 +241,7 @@ class Planner:
         attack = in_frame(thrown.attack, place, line.end)
         feet = line.feet_at_end()
         thrown.asked = Asked(node=line.node, place=place, begins=line.end, attack=attack, feet=feet)
+        dropped = Event()
         call = partial(
             find_path,
             self._prepared,
@@ -246,8 +251,10 @@ class Planner:
             self._config,
             rest,
             turned(feet, -float(place[0])),
+            wanted=lambda: not dropped.is_set(),
         )
-        self._pending = (thrown, self._searches.submit(now, call), now)
+        ticket = self._searches.submit(now, call)
+        self._pending = Pending(thrown=thrown, ticket=ticket, begun=now, dropped=dropped)
 
     def _accept(self, thrown: Thrown, path: JointPath, now: float) -> None:
         thrown.search, thrown.waited = path.status, now - thrown.known

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from mgjax.avoidance.attacks.attack import Attack
@@ -70,6 +70,7 @@ def find_path(
     config: AvoidanceConfig,
     rest: Piece,
     feet: FeetState | None = None,
+    wanted: Callable[[], bool] | None = None,
 ) -> JointPath:
     """The path of :func:`mgjax.avoidance.choice.choosing.choose`, or one that is clear of all
     attacks.
@@ -87,9 +88,10 @@ def find_path(
         rest: what is still played until the path begins, in the same frame, and since when (a time
             before 0).
         feet: what the feet are off where the path begins, in the same frame.
+        wanted: whether the answer is still waited for; where it is not, the search ends early.
     """
     begin = time.perf_counter()
-    path = _find_path(prepared, node, attack, others, config, rest, feet)
+    path = _find_path(prepared, node, attack, others, config, rest, feet, wanted)
     return replace(path, seconds=time.perf_counter() - begin)
 
 
@@ -101,6 +103,7 @@ def _find_path(
     config: AvoidanceConfig,
     rest: Piece,
     feet: FeetState | None,
+    wanted: Callable[[], bool] | None,
 ) -> JointPath:
     def as_written(choice: Choice) -> float:
         line = line_of(prepared.graph, node, choice.walk, feet)
@@ -113,7 +116,15 @@ def _find_path(
     near = clearance_between(prepared.posed, begun, rest.walk, 0.0, -rest.begins)
     touched = near < CLEAR_M and not rest.changes  # what is changed is clearer than its walk
     try:
-        chosen = choose(prepared, node, attack, config=config, as_written=as_written, begin=feet)
+        chosen = choose(
+            prepared,
+            node,
+            attack,
+            config=config,
+            as_written=as_written,
+            begin=feet,
+            wanted=wanted,
+        )
     except AttackError:  # it is in the body where the path would begin
         return JointPath(status=Status.HIT, walk=None, joint=False)
     status = Status.HIT if touched else chosen.status

@@ -423,7 +423,7 @@ def test_a_sphere_that_comes_and_goes(made_graph: MotionGraph) -> None:
 def test_a_search_that_raises_is_told_once(
     made_graph: MotionGraph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(*_: object) -> None:
+    def fail(*_: object, **__: object) -> None:
         raise ZeroDivisionError("no path")
 
     clock = SimulatedClock()
@@ -488,3 +488,28 @@ def test_a_search_that_hangs_does_not_hold_up_frames(made_graph: MotionGraph) ->
     answers = planner.finish()
     assert {a.search for a in answers} == {"late"}
     assert sum(a.status == "superseded" for a in answers) >= 1
+
+
+def test_with_grace_the_planner_waits_for_a_search_before_it_draws(made_graph: MotionGraph) -> None:
+    latency, grace = 0.3, 0.25
+    spared = 0
+    for seed in range(12):
+        counted = []
+        for allowed in (0.0, grace):
+            clock = SimulatedClock()
+            searches = SimulatedSearches(latency)
+            planner = Planner(made_graph, clock=clock, searches=searches, seed=seed, grace=allowed)
+            clock.advance(0.8)
+            planner.advance()
+            attack = world_throw(planner, np.random.default_rng(seed), 0.8, arrives=2.0)
+            planner.attack(attack)
+            while clock.now() < attack.end + 0.2:
+                final = planner.advance()
+                assert final >= clock.now() - allowed
+                clock.advance(1 / 60)
+            answer = planner.finish()[0]
+            assert check_independently(planner, [attack]) == answer.hit
+            counted.append(answer.restarts)
+        assert counted[1] <= counted[0]
+        spared += counted[1] < counted[0]
+    assert spared >= 2

@@ -12,6 +12,7 @@ from mgjax.avoidance.attacks.attack import Attack
 from mgjax.avoidance.attacks.ball import ball_attack
 from mgjax.avoidance.attacks.transform import in_frame
 from mgjax.avoidance.body.spheres import preset_spheres, sphere_centres
+from mgjax.avoidance.choice.choosing import choose
 from mgjax.avoidance.choice.results import Choice, Status
 from mgjax.avoidance.choice.selection import Selection, refine, select, write
 from mgjax.avoidance.config import AvoidanceConfig
@@ -174,6 +175,14 @@ def test_what_cannot_be_survived_is_a_hit_and_stays_as_it_was(still: MotionGraph
     assert chosen.refinement is None
     for array in (chosen.motion.root_translation, chosen.motion.local_rotations):
         assert np.isfinite(array).all()
+
+
+def test_what_nobody_waits_for_is_not_refined(still: MotionGraph) -> None:
+    attack, narrow = ball_into_head(still, 0.03), replace(CONFIG, T_wide=0.0)
+    assert choose(still, 0, attack, config=narrow, wanted=lambda: True).refinement is not None
+    dropped = choose(still, 0, attack, config=narrow, wanted=lambda: False)
+    assert dropped.refinement is None
+    assert dropped.status == Status.HIT
 
 
 def test_near_misses_are_refined_unless_it_is_off(still: MotionGraph) -> None:

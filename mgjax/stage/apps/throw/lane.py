@@ -25,6 +25,8 @@ from mgjax.stage.show.types import Ball, Colour, show_value
 
 AHEAD_S = 0.2
 """So much earlier than it is shown a motion is decided on, so that none is ever missing."""
+GRACE_S = 0.1
+"""So much later where a search is under way."""
 BUFFER_S = 0.6
 """At most so much is sent ahead: what is decided beyond may be long."""
 RATE = 30.0
@@ -91,6 +93,7 @@ class Lane:
             seed=seed,
             start=start,
             begin=clock.now(),
+            grace=GRACE_S,
             on_found=self._found,
         )
 
