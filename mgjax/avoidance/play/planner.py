@@ -86,6 +86,8 @@ class Planner:
         grace: float = 0.0,
         on_found: Callable[[Found], None] | None = None,
     ) -> None:
+        if grace < 0:
+            raise ConfigError(f"got a grace of {grace:g} s, expected 0 or more")
         self._on_found, self._grace = on_found, grace
         self._clock: Clock = clock or SimulatedClock()
         self._searches: Searches = searches or SimulatedSearches()

@@ -513,3 +513,5 @@ def test_with_grace_the_planner_waits_for_a_search_before_it_draws(made_graph: M
         assert counted[1] <= counted[0]
         spared += counted[1] < counted[0]
     assert spared >= 2
+    with pytest.raises(ConfigError, match="grace"):
+        Planner(made_graph, grace=-0.1)
