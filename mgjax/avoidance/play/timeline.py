@@ -259,7 +259,7 @@ class Timeline:
             begin=self._feet[index],
         )[1]
         if known and len(self._feet) == index + 1:
-            self._feet.append(jax.tree.map(lambda x: x[-1], states))
+            self._feet.append(jax.tree.map(lambda x: x[-1].copy(), states))  # not a view of all
         self._followed[key] = PlayedFeet(times=begin + times, states=states)
         while len(self._followed) > _KEPT_EDGES:
             self._followed.popitem(last=False)

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax
 import numpy as np
 import pytest
 
@@ -515,3 +516,14 @@ def test_with_grace_the_planner_waits_for_a_search_before_it_draws(made_graph: M
     assert spared >= 2
     with pytest.raises(ConfigError, match="grace"):
         Planner(made_graph, grace=-0.1)
+
+
+def test_of_edges_long_past_only_what_the_feet_were_off_is_kept(made_graph: MotionGraph) -> None:
+    line, rng = Timeline(made_graph, 0), np.random.default_rng(0)
+    for _ in range(8):
+        line.append(int(rng.choice(made_graph.edges_from(line.node))))
+    line.sample(np.arange(0.0, line.deadline, 1 / 30))
+    for state in line._feet[1:]:
+        for each in jax.tree.leaves(state):
+            base = each.base if isinstance(each, np.ndarray) else None
+            assert base is None or base.nbytes == each.nbytes
